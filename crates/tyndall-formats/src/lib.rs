@@ -1,0 +1,1 @@
+//! Scene, mesh, grid and image files.

@@ -1,0 +1,1 @@
+//! Acceleration structures over anything with bounds.

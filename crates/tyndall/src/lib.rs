@@ -1,0 +1,9 @@
+//! A renderer for participating media.
+
+pub mod accel;
+pub mod math;
+pub mod scene;
+mod spectrum;
+
+pub use scene::desc::SceneDesc;
+pub use spectrum::Spectrum;

@@ -1,0 +1,18 @@
+//! Vectors, frames, transforms, warps, random numbers and measures.
+
+pub mod bounds;
+pub mod frame;
+pub mod lanes;
+pub mod measure;
+pub mod random;
+pub mod ray;
+pub mod transform;
+pub mod warp;
+
+pub use bounds::Aabb;
+pub use frame::Frame;
+pub use glam::{Vec2, Vec3};
+pub use measure::{PerArea, PerLength, PerSolidAngle, PerVolume};
+pub use random::Rng;
+pub use ray::Ray;
+pub use transform::{Affine, Transform};

@@ -1,0 +1,20 @@
+//! Rays.
+
+use super::Vec3;
+
+/// The half line `origin + t * direction`, `t >= 0`.
+#[derive(Clone, Copy, Debug)]
+pub struct Ray {
+    /// Start, in metres.
+    pub origin: Vec3,
+    /// Unit direction.
+    pub direction: Vec3,
+}
+
+impl Ray {
+    /// The point at distance `t`.
+    #[inline(always)]
+    pub fn at(&self, t: f32) -> Vec3 {
+        self.origin + t * self.direction
+    }
+}

@@ -1,0 +1,6 @@
+//! What exists: shapes, BSDFs, media, phase functions, emitters, sensors, textures.
+
+pub mod desc;
+pub mod shape;
+
+pub use desc::SceneDesc;
