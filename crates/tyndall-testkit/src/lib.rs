@@ -3,6 +3,7 @@
 //! This crate knows nothing of the renderer: it speaks in plain arrays and closures, so that it can judge every part.
 
 pub mod chi2;
+pub mod closed_form;
 pub mod quadrature;
 pub mod random;
 pub mod ztest;

@@ -1,10 +1,10 @@
 //! Gauss-Legendre rules and adaptive integration.
 
 /// Nodes on [-1, 1] of the five-point Gauss-Legendre rule.
-const NODES: [f64; 5] =
+pub(crate) const NODES: [f64; 5] =
     [-0.906_179_845_938_664, -0.538_469_310_105_683_1, 0.0, 0.538_469_310_105_683_1, 0.906_179_845_938_664];
 /// Weights of the five-point Gauss-Legendre rule, sum 2.
-const WEIGHTS: [f64; 5] = [
+pub(crate) const WEIGHTS: [f64; 5] = [
     0.236_926_885_056_189_1,
     0.478_628_670_499_366_5,
     0.568_888_888_888_888_9,
