@@ -4,6 +4,7 @@
 
 pub mod chi2;
 pub mod closed_form;
+pub mod corpus;
 pub mod quadrature;
 pub mod random;
 pub mod ztest;
