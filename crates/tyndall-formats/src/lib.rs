@@ -1,1 +1,8 @@
 //! Scene, mesh, grid and image files.
+
+pub mod file;
+pub mod grid;
+pub mod image;
+pub mod mesh;
+
+pub use file::FileError;

@@ -1,0 +1,5 @@
+//! OpenEXR.
+
+mod read;
+
+pub(super) use read::parse;

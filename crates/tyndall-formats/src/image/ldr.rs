@@ -1,0 +1,34 @@
+//! PNG, JPEG and HDR through the crate `image`.
+
+use super::{check_backed, srgb};
+use crate::file::FileError;
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
+use std::io::Cursor;
+use tyndall::scene::desc::ImageDesc;
+
+pub(super) fn parse(bytes: &[u8], name: &str, format: ImageFormat, raw: bool) -> Result<ImageDesc, FileError> {
+    let fail = |e: image::ImageError| FileError::whole(name, format!("cannot be decoded: {e}"));
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    // Checked here against the length of the file instead.
+    reader.no_limits();
+    let decoder = reader.into_decoder().map_err(fail)?;
+    let (width, height) = decoder.dimensions();
+    let (width, height) = (width as usize, height as usize);
+    check_backed(name, width, height, decoder.color_type().bytes_per_pixel() as usize, bytes.len())?;
+    let decoded = DynamicImage::from_decoder(decoder).map_err(fail)?;
+    let curve = |encoded: f32| if raw { encoded } else { srgb::decode(encoded) };
+    let pixels = match decoded {
+        DynamicImage::ImageRgb32F(image) => image.pixels().map(|p| p.0).collect(),
+        DynamicImage::ImageLuma16(_)
+        | DynamicImage::ImageLumaA16(_)
+        | DynamicImage::ImageRgb16(_)
+        | DynamicImage::ImageRgba16(_) => {
+            decoded.into_rgb16().pixels().map(|p| p.0.map(|x| curve(f32::from(x) / 65535.0))).collect()
+        }
+        _ => {
+            let table: Vec<f32> = (0..=255u8).map(|x| curve(f32::from(x) / 255.0)).collect();
+            decoded.into_rgb8().pixels().map(|p| p.0.map(|x| table[usize::from(x)])).collect()
+        }
+    };
+    Ok(ImageDesc { width, height, pixels })
+}
