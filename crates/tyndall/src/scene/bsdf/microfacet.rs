@@ -182,7 +182,7 @@ fn visible_beckmann(sin: f32, cos: f32, u: Vec2) -> Vec3 {
             low = b;
         }
         let next = b - error / (cos - x * sin);
-        b = if next > low && next < high { next } else { 0.5 * (low + high) };
+        b = if next >= low && next <= high { next } else { 0.5 * (low + high) };
         x = erf_inverse(b);
     }
     Vec3::new(-x, erf_inverse(2.0 * u.y - 1.0), 1.0)
