@@ -11,7 +11,8 @@ use crate::scene::desc::{
     BsdfDesc, Filter, ImageDesc, Microfacets, PrincipledDesc, PrincipledThinDesc, RoughnessDesc, TextureDesc, Wrap,
 };
 use crate::scene::shape::SurfacePoint;
-use std::sync::Arc;
+use std::collections::HashMap;
+use std::sync::{Arc, LazyLock, Mutex};
 
 const BECKMANN: Microfacets = Microfacets::Beckmann;
 const GGX: Microfacets = Microfacets::Ggx;
@@ -305,8 +306,12 @@ impl Probe {
         Self { bsdfs: Bsdfs::compile(descs).unwrap(), root: BsdfId(descs.len() - 1), surface }
     }
 
+    /// Compiled once for all tests: the tables of a rough plastic take a moment.
     fn named(name: &str) -> Self {
-        Self::new(&case(name))
+        static COMPILED: LazyLock<Mutex<HashMap<String, Bsdfs>>> = LazyLock::new(Mutex::default);
+        let mut compiled = COMPILED.lock().unwrap();
+        let bsdfs = compiled.entry(name.into()).or_insert_with(|| Bsdfs::compile(&case(name)).unwrap()).clone();
+        Self { root: BsdfId(bsdfs.len() - 1), bsdfs, ..Self::new(&[BsdfDesc::Null]) }
     }
 
     fn context(&self) -> SurfaceContext<'_> {
