@@ -1,10 +1,12 @@
 //! PNG, JPEG and HDR through the crate `image`.
 
+use super::tone::ToneMap;
 use super::{check_backed, srgb};
 use crate::file::FileError;
-use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
+use image::codecs::{hdr::HdrEncoder, png::PngEncoder};
+use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageFormat, ImageReader, ImageResult};
 use std::io::Cursor;
-use tyndall::scene::desc::ImageDesc;
+use tyndall::scene::desc::{ImageDesc, Rgb};
 
 pub(super) fn parse(bytes: &[u8], name: &str, format: ImageFormat, raw: bool) -> Result<ImageDesc, FileError> {
     let fail = |e: image::ImageError| FileError::whole(name, format!("cannot be decoded: {e}"));
@@ -31,4 +33,23 @@ pub(super) fn parse(bytes: &[u8], name: &str, format: ImageFormat, raw: bool) ->
         }
     };
     Ok(ImageDesc { width, height, pixels })
+}
+
+/// The bytes of a PNG of 8 bits.
+pub(super) fn encode_png(width: usize, pixels: &[Rgb], exposure: f32, tone_map: ToneMap) -> ImageResult<Vec<u8>> {
+    let factor = exposure.exp2();
+    let bytes: Vec<u8> = pixels.as_flattened().iter().map(|x| tone_map.byte(x * factor)).collect();
+    let mut out = Vec::new();
+    let height = pixels.len() / width;
+    PngEncoder::new(&mut out).write_image(&bytes, width as u32, height as u32, ExtendedColorType::Rgb8)?;
+    Ok(out)
+}
+
+/// The bytes of a Radiance HDR file. It has no negative values and none that are not finite: those become 0.
+pub(super) fn encode_hdr(width: usize, pixels: &[Rgb]) -> ImageResult<Vec<u8>> {
+    let clean = |x: f32| if x.is_finite() { x.max(0.0) } else { 0.0 };
+    let clean: Vec<image::Rgb<f32>> = pixels.iter().map(|p| image::Rgb(p.map(clean))).collect();
+    let mut out = Vec::new();
+    HdrEncoder::new(&mut out).encode(&clean, width, pixels.len() / width)?;
+    Ok(out)
 }

@@ -2,6 +2,7 @@
 
 use super::picture::{Channel, Layer, Picture};
 use crate::file::{Bytes, FileError, Word, Words};
+use tyndall::scene::desc::Rgb;
 
 pub(super) fn parse(bytes: &[u8], name: &str) -> Result<Picture, FileError> {
     let words = &mut Words::new(bytes, name);
@@ -37,6 +38,15 @@ pub(super) fn parse(bytes: &[u8], name: &str) -> Result<Picture, FileError> {
         }
     }
     Ok(Picture { width, height, layers: vec![Layer { name: String::new(), channels }], attributes: Vec::new() })
+}
+
+/// The bytes of a colour file.
+pub(super) fn encode(width: usize, pixels: &[Rgb]) -> Vec<u8> {
+    let mut out = format!("PF\n{width} {}\n-1.0\n", pixels.len() / width).into_bytes();
+    for row in pixels.chunks_exact(width).rev() {
+        out.extend(row.as_flattened().iter().flat_map(|x| x.to_le_bytes()));
+    }
+    out
 }
 
 fn size(words: &mut Words, what: &str) -> Result<usize, FileError> {

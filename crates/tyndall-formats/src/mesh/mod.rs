@@ -5,6 +5,7 @@
 
 pub mod obj;
 pub mod ply;
+pub mod serialized;
 
 use tyndall::scene::desc::MeshDesc;
 

@@ -1,8 +1,8 @@
 //! Reading OpenEXR through the crate `exr`.
 
 use crate::file::FileError;
-use crate::image::check_backed;
 use crate::image::picture::{Channel, Layer, Picture};
+use crate::image::{Metadata, check_backed};
 use exr::meta::MetaData;
 use exr::meta::attribute::AttributeValue;
 use exr::prelude::{FlatSamples, ReadChannels, ReadLayers};
@@ -39,10 +39,10 @@ pub(crate) fn parse(bytes: &[u8], name: &str) -> Result<Picture, FileError> {
             let message = format!("found parts of {expected:?} and {found:?} pixels, expected one size");
             return Err(FileError::whole(name, message));
         }
-        let part_name = part.attributes.layer_name.filter(|_| several).map(|text| text.to_string()).unwrap_or_default();
+        let part_name = part.attributes.layer_name.filter(|_| several).map(|text| utf8(&text)).unwrap_or_default();
         for channel in part.channel_data.list {
             let values = to_f32(channel.sample_data);
-            let full = channel.name.to_string();
+            let full = utf8(&channel.name);
             if values.len() != found.0 * found.1 {
                 return Err(FileError::whole(
                     name,
@@ -61,6 +61,20 @@ pub(crate) fn parse(bytes: &[u8], name: &str) -> Result<Picture, FileError> {
         Layer { name, channels }
     });
     Ok(Picture { width, height, layers: layers.collect(), attributes: attributes.into_iter().collect() })
+}
+
+/// Size and texts, without the samples.
+pub(crate) fn parse_metadata(reader: impl std::io::Read, name: &str) -> Result<Metadata, FileError> {
+    let fail = |e: exr::error::Error| FileError::whole(name, format!("cannot be decoded: {e}"));
+    let meta = MetaData::read_from_buffered(reader, false).map_err(fail)?;
+    let mut attributes = BTreeMap::new();
+    for header in &meta.headers {
+        collect_texts(&header.shared_attributes.other, &mut attributes);
+        collect_texts(&header.own_attributes.other, &mut attributes);
+    }
+    let size =
+        meta.headers.first().ok_or_else(|| FileError::whole(name, "found no parts, expected at least one"))?.layer_size;
+    Ok(Metadata { width: size.width(), height: size.height(), attributes: attributes.into_iter().collect() })
 }
 
 /// Layer and channel by a channel's full name; parts of a file with several are layers too.
@@ -93,7 +107,11 @@ fn collect_texts<'a>(
 ) {
     for (name, value) in found {
         if let AttributeValue::Text(text) = value {
-            texts.insert(name.to_string(), text.to_string());
+            texts.insert(utf8(name), utf8(text));
         }
     }
+}
+
+fn utf8(text: &exr::prelude::Text) -> String {
+    String::from_utf8_lossy(text.as_slice()).into_owned()
 }
