@@ -2,6 +2,7 @@
 
 pub mod bsdf;
 pub mod desc;
+pub mod emitter;
 pub mod shape;
 pub mod texture;
 
