@@ -1,6 +1,7 @@
 //! A renderer for participating media.
 
 pub mod accel;
+pub mod film;
 pub mod math;
 pub mod scene;
 mod spectrum;

@@ -2,6 +2,7 @@
 
 pub mod bsdf;
 pub mod desc;
+pub mod emitter;
 pub mod medium;
 pub mod phase;
 pub mod sensor;

@@ -24,6 +24,8 @@ pub fn dielectric(cos: f32, eta: f32) -> (f32, f32) {
 /// the appendix of Lazanyi and Szirmay-Kalos 2005).
 #[inline(always)]
 pub fn conductor(cos: f32, eta: Spectrum, k: Spectrum) -> Spectrum {
+    // Keeps the quotients finite where numerator and denominator vanish together.
+    let tiny = Spectrum::grey(f32::MIN_POSITIVE);
     let cos2 = cos * cos;
     let sin2 = 1.0 - cos2;
     let (eta2, k2) = (eta * eta, k * k);
@@ -33,11 +35,12 @@ pub fn conductor(cos: f32, eta: Spectrum, k: Spectrum) -> Spectrum {
     let real = ((modulus + d) * 0.5).max(Spectrum::ZERO).sqrt();
     let cross = real * (2.0 * cos);
     let sum = modulus + Spectrum::grey(cos2);
-    let s = (sum - cross) / (sum + cross);
+    let s = (sum - cross) / (sum + cross).max(tiny);
     let sum = modulus * cos2 + Spectrum::grey(sin2 * sin2);
     let cross = cross * sin2;
-    let p = s * (sum - cross) / (sum + cross);
-    (s + p) * 0.5
+    let p = s * (sum - cross) / (sum + cross).max(tiny);
+    // Rounding can leave an index-matched conductor slightly negative.
+    ((s + p) * 0.5).max(Spectrum::ZERO)
 }
 
 /// Mean reflectance of a dielectric interface under diffuse light, relative index `eta`.

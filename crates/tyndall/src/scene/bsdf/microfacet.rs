@@ -159,6 +159,9 @@ fn visible_ggx(sin: f32, cos: f32, u: Vec2) -> Vec3 {
     Vec3::new(sin * z - cos * y, p.x, (sin * y + cos * z).max(1e-7))
 }
 
+/// Error of the distribution function below which its inversion stops: what single precision resolves.
+const CONVERGED: f32 = 3e-7;
+
 /// A visible normal, not normalised, of the Beckmann distribution of roughness 1 seen from `(sin, 0, cos)`.
 ///
 /// The slope towards the viewer has the distribution function
@@ -176,13 +179,16 @@ fn visible_beckmann(sin: f32, cos: f32, u: Vec2) -> Vec3 {
     let mut x = erf_inverse(b);
     for _ in 0..4 {
         let error = cos * (1.0 + b) + tail * (-x * x).exp() - target;
+        if error.abs() < CONVERGED {
+            break;
+        }
         if error > 0.0 {
             high = b;
         } else {
             low = b;
         }
         let next = b - error / (cos - x * sin);
-        b = if next > low && next < high { next } else { 0.5 * (low + high) };
+        b = if next >= low && next <= high { next } else { 0.5 * (low + high) };
         x = erf_inverse(b);
     }
     Vec3::new(-x, erf_inverse(2.0 * u.y - 1.0), 1.0)

@@ -6,6 +6,7 @@ use crate::Spectrum;
 use crate::math::{PerSolidAngle, Vec2, Vec3, warp};
 use crate::scene::desc::Microfacets;
 use crate::scene::texture::{Texture, TexturePoint};
+use rayon::prelude::*;
 
 /// The diffuse base, with the light that the coat throws back onto it.
 #[derive(Clone, Debug)]
@@ -134,8 +135,9 @@ impl RoughPlastic {
             let cos = (i as f32 / (NODES - 1) as f32).max(1e-6);
             Vec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos)
         });
-        let transmittance = Box::new(wo.map(|wo| rough_share(&visible, wo, eta, false)));
-        let internal = wo.map(|wo| rough_share(&visible, wo, 1.0 / eta, true) * wo.z).iter().sum::<f32>();
+        let transmittance = Box::new(rough_shares(&visible, &wo, eta, false));
+        let inside = rough_shares(&visible, &wo, 1.0 / eta, true);
+        let internal: f32 = inside.iter().zip(&wo).map(|(share, wo)| share * wo.z).sum();
         Self {
             specular_weight: specular_weight(&diffuse, &specular),
             base: Base::new(diffuse, eta, internal * 2.0 / NODES as f32, nonlinear),
@@ -199,25 +201,29 @@ impl RoughPlastic {
     }
 }
 
-/// Share of the light from `wo` that a rough interface reflects, or lets through, in one bounce.
-fn rough_share(visible: &Distribution, wo: Vec3, eta: f32, reflected: bool) -> f32 {
+/// Shares of the light from each of the directions `wo` that a rough interface reflects, or lets through, in one bounce.
+fn rough_shares(visible: &Distribution, wo: &[Vec3; NODES], eta: f32, reflected: bool) -> [f32; NODES] {
     // Total reflection is a kink that asks for more nodes.
     let (nodes, weights) = quadrature::gauss_legendre(if eta > 1.0 { 32 } else { 128 });
-    let mut sum = 0.0;
-    for (&x, &weight_x) in nodes.iter().zip(&weights) {
-        for (&y, &weight_y) in nodes.iter().zip(&weights) {
-            let m = visible.sample(wo, Vec2::new(x, y));
-            let cos = wo.dot(m).max(0.0);
-            let (reflectance, cos_t) = fresnel::dielectric(cos, eta);
-            let (wi, share) = if reflected {
-                (fresnel::reflect(wo, m), reflectance)
-            } else {
-                (fresnel::refract(wo, m, cos, cos_t, eta), 1.0 - reflectance)
-            };
-            if (wi.z > 0.0) == reflected {
-                sum += f64::from(visible.masking(wi, m) * share * weight_x * weight_y);
+    let mut shares = [0.0; NODES];
+    shares.par_iter_mut().zip(wo).for_each(|(share, &wo)| {
+        for (&x, &weight_x) in nodes.iter().zip(&weights) {
+            let mut sum = 0.0;
+            for (&y, &weight_y) in nodes.iter().zip(&weights) {
+                let m = visible.sample(wo, Vec2::new(x, y));
+                let cos = wo.dot(m).max(0.0);
+                let (reflectance, cos_t) = fresnel::dielectric(cos, eta);
+                let (wi, kept) = if reflected {
+                    (fresnel::reflect(wo, m), reflectance)
+                } else {
+                    (fresnel::refract(wo, m, cos, cos_t, eta), 1.0 - reflectance)
+                };
+                if (wi.z > 0.0) == reflected {
+                    sum += visible.masking(wi, m) * kept * weight_y;
+                }
             }
+            *share += sum * weight_x;
         }
-    }
-    sum as f32
+    });
+    shares
 }

@@ -121,7 +121,13 @@ impl PrincipledThin {
             if !(wi.z > 0.0) {
                 return None;
             }
-            if transmits { (Vec3::new(wi.x, wi.y, -wi.z), Event::transmission(1.0)) } else { (wi, Event::REFLECTION) }
+            let turned = Vec3::new(wi.x, wi.y, -wi.z);
+            // The turned direction must be behind the facet as well.
+            match transmits {
+                false => (wi, Event::REFLECTION),
+                true if turned.dot(m) < 0.0 => (turned, Event::transmission(1.0)),
+                true => return None,
+            }
         } else if u1 < specular + shares.diffuse_reflection {
             (warp::square_to_cosine_hemisphere(u2), Event::REFLECTION)
         } else {

@@ -54,11 +54,12 @@ impl<T: Voxel> Grid<T> {
         for z in 0..nz + 2 {
             let z = wrapped(z as i64 - 1, nz, wrap);
             for y in 0..ny + 2 {
-                let row = (z * ny + wrapped(y as i64 - 1, ny, wrap)) * nx;
-                for x in 0..nx + 2 {
-                    let first = (row + wrapped(x as i64 - 1, nx, wrap)) * T::CHANNELS;
-                    voxels.push(read(&desc.values[first..first + T::CHANNELS]));
-                }
+                let first = (z * ny + wrapped(y as i64 - 1, ny, wrap)) * nx * T::CHANNELS;
+                let row = &desc.values[first..first + nx * T::CHANNELS];
+                let border = |x: i64| read(&row[wrapped(x, nx, wrap) * T::CHANNELS..][..T::CHANNELS]);
+                voxels.push(border(-1));
+                voxels.extend(row.chunks_exact(T::CHANNELS).map(&read));
+                voxels.push(border(nx as i64));
             }
         }
         let (stride_y, stride_z) = (nx + 2, (nx + 2) * (ny + 2));
@@ -87,7 +88,8 @@ impl<T: Voxel> Grid<T> {
     fn linear(&self, position: Vec3) -> T {
         // Border included, voxel i has its centre at i, the smallest coordinate is 0.5 and the largest n + 0.5.
         let p = position + Vec3::splat(0.5);
-        let [x, y, z] = [p.x as u32, p.y as u32, p.z as u32];
+        // SAFETY: `at` leaves coordinates in [0, n], n at most `MAX_SIZE`.
+        let [x, y, z] = p.to_array().map(|p| unsafe { p.to_int_unchecked::<i32>() });
         let f = p - Vec3::new(x as f32, y as f32, z as f32);
         let first = z as usize * self.stride_z + y as usize * self.stride_y + x as usize;
         debug_assert!(first + self.stride_z + self.stride_y + 1 < self.voxels.len(), "a corner beyond the border");
@@ -125,10 +127,11 @@ impl<T: Voxel> Grid<T> {
             };
             (first..=last).map(move |i| wrapped(i, n, self.wrap))
         };
+        let columns: Vec<usize> = axis(0).collect();
         for z in axis(2) {
             for y in axis(1) {
                 let row = (z + 1) * self.stride_z + (y + 1) * self.stride_y + 1;
-                axis(0).for_each(|x| visit(self.voxels[row + x]));
+                columns.iter().for_each(|x| visit(self.voxels[row + x]));
             }
         }
     }

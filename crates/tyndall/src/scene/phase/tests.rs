@@ -123,6 +123,19 @@ fn mean_cosine_is_g() {
 }
 
 #[test]
+fn blends_choose_by_their_weights() {
+    // Peaks forwards and backwards that hold all but a ten-thousandth of their light in their hemisphere.
+    let inner = blend(0.25, hg(0.9999), hg(-0.9999));
+    let phase = compile(&blend(0.3, hg(0.9999), inner));
+    let n = 10_000;
+    let backwards = (0..n)
+        .map(|i| phase.sample(Vec3::ZERO, Vec3::Z, (i as f32 + 0.5) / n as f32, Vec2::new(0.5, 0.5)).0)
+        .filter(|d| d.z < 0.0)
+        .count();
+    assert_eq!(backwards, 750);
+}
+
+#[test]
 fn henyey_greenstein_near_one_keeps_its_digits() {
     // At an angle far below what a cosine in single precision can tell from 0.
     let (g, angle) = (0.9999_f32, 1e-4_f32);

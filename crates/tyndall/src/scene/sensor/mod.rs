@@ -54,6 +54,20 @@ pub struct CameraRay {
     pub t_max: f32,
 }
 
+/// Where a point appears in the picture.
+#[derive(Clone, Copy, Debug)]
+pub struct Projection {
+    /// Position on the whole film, in pixels from its top left corner; may lie outside the film.
+    pub film_position: Vec2,
+    /// The ray that sees the point: what [`Sensor::sample_ray`] gives for this position and point of the lens.
+    pub ray: CameraRay,
+    /// Distance of the point along the ray, metres; at most its `t_max`.
+    pub distance: f32,
+    /// Pixels that a small surface at the point, at right angles to the ray, covers per area, 1/m^2. An intensity
+    /// (W/sr) that leaves the point towards the camera adds this much of itself to the picture.
+    pub pixels_per_area: f32,
+}
+
 /// A camera, ready to make rays.
 #[derive(Clone, Debug)]
 pub struct Sensor {
@@ -116,19 +130,59 @@ impl Sensor {
     #[inline]
     pub fn sample_ray(&self, film_position: Vec2, u_lens: Vec2) -> CameraRay {
         let p = self.corner + self.pixel * film_position;
-        // Start on the plane z = 0 and a direction with z = 1, in the camera's frame.
-        let (start, slope) = match self.lens {
-            Lens::Pinhole => (Vec2::ZERO, p),
+        match self.lens {
+            Lens::Pinhole => self.ray(Vec2::ZERO, p),
             Lens::Thin { radius, focus } => {
                 let start = radius * warp::square_to_disk(u_lens);
-                (start, p - start / focus)
+                self.ray(start, p - start / focus)
             }
-            Lens::Orthographic => (p, Vec2::ZERO),
-        };
-        let length = slope.extend(1.0).length();
+            Lens::Orthographic => self.ray(p, Vec2::ZERO),
+        }
+    }
+
+    /// The ray from `start` on the plane z = 0 that moves by `slope` over z = 1, both in the camera's frame.
+    #[inline]
+    fn ray(&self, start: Vec2, slope: Vec2) -> CameraRay {
         let origin = self.to_world.point((start + self.near * slope).extend(self.near));
         let direction = self.to_world.vector(slope.extend(1.0)).normalize();
-        CameraRay { ray: Ray { origin, direction }, t_max: (self.far - self.near) * length }
+        CameraRay { ray: Ray { origin, direction }, t_max: (self.far - self.near) * slope.extend(1.0).length() }
+    }
+
+    /// Where `x` appears through the point of the lens that `u_lens` chooses; `None` when it lies outside the clipping
+    /// planes.
+    #[inline]
+    pub fn project(&self, x: Vec3, u_lens: Vec2) -> Option<Projection> {
+        let local = self.to_world.inverse_point(x);
+        let (flat, z) = (local.truncate(), local.z);
+        // Pixels per area of the plane z = 1 (of any plane when orthographic).
+        let density = 1.0 / (self.pixel.x * self.pixel.y);
+        let (p, ray, pixels_per_area) = match self.lens {
+            Lens::Orthographic => {
+                let sides = self.to_world.vector(Vec3::X).cross(self.to_world.vector(Vec3::Y));
+                let ray = self.ray(flat, Vec2::ZERO);
+                (flat, ray, density / sides.dot(ray.ray.direction).abs())
+            }
+            Lens::Pinhole | Lens::Thin { .. } => {
+                let (start, shift) = match self.lens {
+                    Lens::Thin { radius, focus } => {
+                        let start = radius * warp::square_to_disk(u_lens);
+                        (start, start / focus)
+                    }
+                    _ => (Vec2::ZERO, Vec2::ZERO),
+                };
+                let slope = (flat - start) / z;
+                // The plane at z is z^2 larger, and inclined to the ray.
+                (slope + shift, self.ray(start, slope), density * slope.extend(1.0).length() / (z * z))
+            }
+        };
+        let distance = (x - ray.ray.origin).dot(ray.ray.direction);
+        let film_position = (p - self.corner) / self.pixel;
+        (z > 0.0 && distance >= 0.0 && distance <= ray.t_max).then_some(Projection {
+            film_position,
+            ray,
+            distance,
+            pixels_per_area,
+        })
     }
 
     /// Centre of the lens of a perspective camera, metres; the middle of the frame of an orthographic one.

@@ -104,6 +104,42 @@ fn rays_of_a_thin_lens_meet_in_focus() {
 }
 
 #[test]
+fn projection_inverts_the_rays() {
+    let scaled = Transform::scale([2.0, 3.0, 4.0]).then(&to_world());
+    let sheared =
+        Transform::from_rows([[1.0, 0.0, 0.3, 0.0], [0.2, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]);
+    let cameras = [
+        perspective([0.1, -0.2]),
+        thin_lens(0.3, 4.0),
+        desc(SensorKind::Orthographic, to_world()),
+        desc(SensorKind::Orthographic, scaled),
+        desc(SensorKind::Orthographic, sheared.then(&to_world())),
+    ];
+    for desc in cameras {
+        let sensor = Sensor::compile(&desc, &FILM).unwrap();
+        for (position, u) in [([3.0, 28.0], [0.1, 0.7]), ([39.0, 1.5], [0.9, 0.9]), ([20.0, 15.0], [0.5, 0.2])] {
+            let (position, u) = (Vec2::from(position), Vec2::from(u));
+            let CameraRay { ray, t_max } = sensor.sample_ray(position, u);
+            let x = ray.at(6.0);
+            let found = sensor.project(x, u).unwrap();
+            assert!(found.film_position.abs_diff_eq(position, 1e-3), "{desc:?}: {found:?}, expected {position}");
+            assert!(found.ray.ray.origin.abs_diff_eq(ray.origin, 1e-5), "{desc:?}: {found:?}");
+            assert!(found.ray.ray.direction.abs_diff_eq(ray.direction, 1e-5), "{desc:?}: {found:?}");
+            assert!((found.distance - 6.0).abs() < 1e-4 && (found.ray.t_max - t_max).abs() < 1e-4);
+            assert!(sensor.project(ray.at(-0.01), u).is_none() && sensor.project(ray.at(t_max * 1.001), u).is_none());
+
+            // The area on the film of a small square at right angles to the ray, by central differences.
+            let frame = crate::math::Frame::from_normal(ray.direction);
+            let at = |offset: Vec3| sensor.project(x + offset, u).unwrap().film_position;
+            let h = 0.05;
+            let side = |axis: Vec3| (at(h * axis) - at(-h * axis)) / (2.0 * h);
+            let area = side(frame.s).perp_dot(side(frame.t)).abs();
+            assert!((found.pixels_per_area / area - 1.0).abs() < 2e-3, "{desc:?}: {found:?}, expected {area}");
+        }
+    }
+}
+
+#[test]
 fn wrong_parameters_are_errors() {
     let error = |desc: SensorDesc| Sensor::compile(&desc, &FILM).unwrap_err();
     let view = |fov_x| desc(SensorKind::Perspective { fov_x, principal_point: [0.0; 2] }, to_world());

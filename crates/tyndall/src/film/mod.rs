@@ -1,0 +1,5 @@
+//! The picture: reconstruction filters.
+
+pub mod filter;
+
+pub use filter::FilterSampler;
