@@ -133,6 +133,31 @@ impl Lights {
         &self.emitters
     }
 
+    /// Whether there are emitters at finite distances.
+    #[inline(always)]
+    pub fn any_finite(&self) -> bool {
+        !self.tree.is_empty()
+    }
+
+    /// Whether the emitter is at a finite distance.
+    #[inline(always)]
+    pub fn is_finite(&self, emitter: EmitterId) -> bool {
+        !matches!(
+            self.emitters[emitter.0 as usize],
+            Emitter::Directional(_) | Emitter::Constant(_) | Emitter::Envmap(_)
+        )
+    }
+
+    /// Extent of the smallest emitter, metres; zero for points and directions, `None` for surroundings only.
+    pub fn smallest_extent(&self) -> Option<f32> {
+        let extent = |emitter: &Emitter| match emitter {
+            Emitter::Area(area) => Some(self.geometry.area(area.shape).sqrt()),
+            Emitter::Constant(_) | Emitter::Envmap(_) => None,
+            _ => Some(0.0),
+        };
+        self.emitters.iter().filter_map(extent).reduce(f32::min)
+    }
+
     /// The emitter that a shape is.
     #[inline]
     pub fn of_shape(&self, shape: u32) -> Option<EmitterId> {
@@ -147,7 +172,7 @@ impl Lights {
         let mut sample = match &self.emitters[emitter.0 as usize] {
             Emitter::Area(area) => {
                 let (point, pdf) = shapes::sample_from(&self.geometry, area.shape, x, u)?;
-                let texture_point = TexturePoint::new(&point, shapes::mesh(&self.geometry, area.shape));
+                let texture_point = TexturePoint::new(&point, self.geometry.mesh(area.shape));
                 let radiance = |direction| area.radiance(&texture_point, point.normal, direction);
                 finite_sample(x, point.position, point.normal, emitter, |direction| {
                     (direction.dot(point.normal) > 0.0).then(|| (radiance(direction), pdf))
@@ -212,7 +237,7 @@ impl Lights {
     pub fn radiance_surface(&self, point: &SurfacePoint, direction: Vec3) -> Spectrum {
         let Some(id) = self.of_shape(point.shape) else { return Spectrum::ZERO };
         let Emitter::Area(area) = &self.emitters[id.0 as usize] else { return Spectrum::ZERO };
-        area.radiance(&TexturePoint::new(point, shapes::mesh(&self.geometry, point.shape)), point.normal, -direction)
+        area.radiance(&TexturePoint::new(point, self.geometry.mesh(point.shape)), point.normal, -direction)
     }
 
     /// Radiance seen along a ray that leaves the scene in `direction`, W/(m^2 sr).
@@ -246,7 +271,7 @@ impl Lights {
         Some(match &self.emitters[emitter.0 as usize] {
             Emitter::Area(area) => {
                 let (point, density) = self.geometry.sample_area(area.shape, u)?;
-                let texture_point = TexturePoint::new(&point, shapes::mesh(&self.geometry, area.shape));
+                let texture_point = TexturePoint::new(&point, self.geometry.mesh(area.shape));
                 let radiance = area.radiance(&texture_point, point.normal, point.normal);
                 let SurfacePoint { position, normal, .. } = point;
                 LightPoint { position, normal, radiance, density, selection: 1.0, delta: false, emitter }

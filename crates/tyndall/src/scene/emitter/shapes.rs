@@ -1,17 +1,11 @@
 //! Emitting shapes: where they are, which way they face, and points on them chosen for a receiver.
 
 use crate::math::{Aabb, PerSolidAngle, Vec2, Vec3};
-use crate::scene::shape::{Form, Geometry, Mesh, SurfacePoint};
+use crate::scene::shape::{Form, Geometry, SurfacePoint};
 use std::f32::consts::PI;
 
 /// Added to the half angle of a mesh's cone of normals, radians: covers rounding.
 const SLACK: f32 = 1e-3;
-
-/// The mesh behind a shape, if it is one.
-#[inline]
-pub fn mesh(geometry: &Geometry, shape: u32) -> Option<&Mesh> {
-    if let Form::Mesh(mesh) = geometry.form(shape) { Some(mesh) } else { None }
-}
 
 /// Box around a shape; empty for instances, which do not emit.
 pub fn bounds(form: &Form) -> Aabb {
