@@ -2,13 +2,13 @@
 
 use super::bound::LightBound;
 use super::error::{EmitterProblem, texture};
-use super::shapes::{EmissiveShapes, ShapePoint};
+use super::shapes;
 use crate::Spectrum;
 use crate::math::Vec3;
 use crate::scene::desc::AreaEmitterDesc;
-use crate::scene::shape::{Mesh, SurfacePoint};
+use crate::scene::shape::Geometry;
 use crate::scene::texture::{Texture, TexturePoint};
-use std::f32::consts::{FRAC_PI_2, PI};
+use std::f32::consts::FRAC_PI_2;
 
 /// A shape that emits on the side of its geometric normal, the same radiance in all directions.
 #[derive(Debug)]
@@ -21,17 +21,17 @@ pub struct Area {
 
 impl Area {
     /// The emission of `shape`.
-    pub fn new(desc: &AreaEmitterDesc, shape: u32, shapes: &impl EmissiveShapes) -> Result<Self, EmitterProblem> {
-        let area = shapes.area(shape);
+    pub fn new(desc: &AreaEmitterDesc, shape: u32, geometry: &Geometry) -> Result<Self, EmitterProblem> {
+        let area = geometry.area(shape);
         if !(area > 0.0 && area.is_finite()) {
             return Err(EmitterProblem::ShapeArea { found: area });
         }
         let radiance = texture("radiance", &desc.radiance)?;
-        let (axis, theta_o) = shapes.normals(shape);
+        let (axis, theta_o) = shapes::normals(geometry.form(shape));
         // A closed convex shape shows a quarter of its area on average (Cauchy), a flat one all of it to the front.
-        let shown = if theta_o < PI { area } else { 0.25 * area };
+        let shown = if theta_o < FRAC_PI_2 { area } else { 0.25 * area };
         let bound = LightBound {
-            bounds: shapes.bounds(shape),
+            bounds: shapes::bounds(geometry.form(shape)),
             intensity: radiance.mean().mean() * shown,
             axis,
             theta_o,
@@ -49,20 +49,5 @@ impl Area {
     #[inline]
     pub fn radiance(&self, point: &TexturePoint, normal: Vec3, direction: Vec3) -> Spectrum {
         if direction.dot(normal) > 0.0 { self.radiance.eval(point) } else { Spectrum::ZERO }
-    }
-}
-
-impl ShapePoint {
-    /// Where a texture is looked up.
-    #[inline(always)]
-    pub fn texture_point<'a>(&self, mesh: Option<&'a Mesh>) -> TexturePoint<'a> {
-        TexturePoint { uv: self.uv, mesh, triangle: self.triangle, barycentrics: self.barycentrics }
-    }
-}
-
-impl From<&SurfacePoint> for ShapePoint {
-    fn from(p: &SurfacePoint) -> Self {
-        let SurfacePoint { position, normal, uv, triangle, barycentrics, .. } = *p;
-        Self { position, normal, uv, triangle, barycentrics }
     }
 }

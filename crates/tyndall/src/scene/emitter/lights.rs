@@ -6,13 +6,13 @@
 
 use super::area::Area;
 use super::error::{EmitterError, EmitterProblem, number};
-use super::shapes::{EmissiveShapes, ShapePoint};
+use super::shapes;
 use super::tree::LightTree;
 use super::{Constant, Emitter, EmitterId, Reach};
 use crate::Spectrum;
-use crate::math::{Aabb, PerArea, PerSolidAngle, Ray, Vec2, Vec3};
+use crate::math::{PerArea, PerSolidAngle, Ray, Vec2, Vec3};
 use crate::scene::desc::{AreaEmitterDesc, EmitterDesc};
-use crate::scene::shape::SurfacePoint;
+use crate::scene::shape::{Geometry, SurfacePoint};
 use crate::scene::texture::TexturePoint;
 use std::sync::Arc;
 
@@ -64,27 +64,26 @@ pub struct LightPoint {
 
 /// All emitters of a scene.
 #[derive(Debug)]
-pub struct Lights<S> {
+pub struct Lights {
     emitters: Vec<Emitter>,
     tree: LightTree,
     /// Emitters at infinity that can be chosen, with the probability of the choice.
     infinite: Vec<(EmitterId, f32)>,
     /// By shape, the emitter it is.
     of_shape: Vec<Option<EmitterId>>,
-    shapes: Arc<S>,
+    geometry: Arc<Geometry>,
     /// Sphere around the scene, metres.
     centre: Vec3,
     radius: f32,
 }
 
-impl<S: EmissiveShapes> Lights<S> {
-    /// The emitters of a description. `areas` lists the shapes that emit: name, index, emission; `bounds` is a box around
-    /// everything finite.
+impl Lights {
+    /// The emitters of a description. `areas` lists the shapes that emit: name, index, emission. Directions out of the scene
+    /// end beyond the box around `geometry`.
     pub fn new<'a>(
         descs: &[EmitterDesc],
         areas: impl IntoIterator<Item = (&'a str, u32, &'a AreaEmitterDesc)>,
-        shapes: Arc<S>,
-        bounds: Aabb,
+        geometry: Arc<Geometry>,
     ) -> Result<Self, EmitterError> {
         let mut emitters = Vec::new();
         let mut weights = Vec::new();
@@ -102,7 +101,7 @@ impl<S: EmissiveShapes> Lights<S> {
             add(&desc.name, Emitter::new(desc), desc.sampling_weight)?;
         }
         for (name, shape, desc) in areas {
-            let id = add(name, Area::new(desc, shape, &*shapes).map(Emitter::Area), desc.sampling_weight)?;
+            let id = add(name, Area::new(desc, shape, &geometry).map(Emitter::Area), desc.sampling_weight)?;
             of_shape.resize(of_shape.len().max(shape as usize + 1), None);
             of_shape[shape as usize] = Some(id);
         }
@@ -123,14 +122,40 @@ impl<S: EmissiveShapes> Lights<S> {
         let share = if tree.is_empty() { 1.0 } else { INFINITE_SHARE };
         let total: f32 = infinite.iter().map(|(_, fluence)| fluence).sum();
         infinite.iter_mut().for_each(|(_, fluence)| *fluence *= share / total);
+        let bounds = geometry.bounds();
         let (centre, radius) =
             if bounds.is_empty() { (Vec3::ZERO, 1.0) } else { (bounds.centre(), 0.5 * bounds.extent().length()) };
-        Ok(Self { emitters, tree, infinite, of_shape, shapes, centre, radius })
+        Ok(Self { emitters, tree, infinite, of_shape, geometry, centre, radius })
     }
 
     /// The emitters; their indices are the ids.
     pub fn emitters(&self) -> &[Emitter] {
         &self.emitters
+    }
+
+    /// Whether there are emitters at finite distances.
+    #[inline(always)]
+    pub fn any_finite(&self) -> bool {
+        !self.tree.is_empty()
+    }
+
+    /// Whether the emitter is at a finite distance.
+    #[inline(always)]
+    pub fn is_finite(&self, emitter: EmitterId) -> bool {
+        !matches!(
+            self.emitters[emitter.0 as usize],
+            Emitter::Directional(_) | Emitter::Constant(_) | Emitter::Envmap(_)
+        )
+    }
+
+    /// Extent of the smallest emitter, metres; zero for points and directions, `None` for surroundings only.
+    pub fn smallest_extent(&self) -> Option<f32> {
+        let extent = |emitter: &Emitter| match emitter {
+            Emitter::Area(area) => Some(self.geometry.area(area.shape).sqrt()),
+            Emitter::Constant(_) | Emitter::Envmap(_) => None,
+            _ => Some(0.0),
+        };
+        self.emitters.iter().filter_map(extent).reduce(f32::min)
     }
 
     /// The emitter that a shape is.
@@ -146,8 +171,8 @@ impl<S: EmissiveShapes> Lights<S> {
         let (emitter, selection) = self.select(x, choice)?;
         let mut sample = match &self.emitters[emitter.0 as usize] {
             Emitter::Area(area) => {
-                let (point, pdf) = self.shapes.sample_from(area.shape, x, u)?;
-                let texture_point = point.texture_point(self.shapes.mesh(area.shape));
+                let (point, pdf) = shapes::sample_from(&self.geometry, area.shape, x, u)?;
+                let texture_point = TexturePoint::new(&point, self.geometry.mesh(area.shape));
                 let radiance = |direction| area.radiance(&texture_point, point.normal, direction);
                 finite_sample(x, point.position, point.normal, emitter, |direction| {
                     (direction.dot(point.normal) > 0.0).then(|| (radiance(direction), pdf))
@@ -185,7 +210,8 @@ impl<S: EmissiveShapes> Lights<S> {
     fn pdf_point(&self, from: Vec3, shape: u32, position: Vec3, normal: Vec3) -> PerSolidAngle {
         match self.of_shape(shape) {
             Some(emitter) if (from - position).dot(normal) > 0.0 => {
-                self.shapes.pdf_from(shape, from, position, normal) * self.point_selection_pdf(from, emitter)
+                shapes::pdf_from(&self.geometry, shape, from, position, normal)
+                    * self.point_selection_pdf(from, emitter)
             }
             _ => PerSolidAngle(0.0),
         }
@@ -211,7 +237,7 @@ impl<S: EmissiveShapes> Lights<S> {
     pub fn radiance_surface(&self, point: &SurfacePoint, direction: Vec3) -> Spectrum {
         let Some(id) = self.of_shape(point.shape) else { return Spectrum::ZERO };
         let Emitter::Area(area) = &self.emitters[id.0 as usize] else { return Spectrum::ZERO };
-        area.radiance(&TexturePoint::new(point, self.shapes.mesh(point.shape)), point.normal, -direction)
+        area.radiance(&TexturePoint::new(point, self.geometry.mesh(point.shape)), point.normal, -direction)
     }
 
     /// Radiance seen along a ray that leaves the scene in `direction`, W/(m^2 sr).
@@ -244,10 +270,10 @@ impl<S: EmissiveShapes> Lights<S> {
     pub fn point_on(&self, emitter: EmitterId, u: Vec2) -> Option<LightPoint> {
         Some(match &self.emitters[emitter.0 as usize] {
             Emitter::Area(area) => {
-                let (point, density) = self.shapes.sample_area(area.shape, u);
-                let texture_point = point.texture_point(self.shapes.mesh(area.shape));
+                let (point, density) = self.geometry.sample_area(area.shape, u)?;
+                let texture_point = TexturePoint::new(&point, self.geometry.mesh(area.shape));
                 let radiance = area.radiance(&texture_point, point.normal, point.normal);
-                let ShapePoint { position, normal, .. } = point;
+                let SurfacePoint { position, normal, .. } = point;
                 LightPoint { position, normal, radiance, density, selection: 1.0, delta: false, emitter }
             }
             point => LightPoint {
@@ -298,7 +324,7 @@ impl<S: EmissiveShapes> Lights<S> {
         if !(cos > 0.0) {
             return PerSolidAngle(0.0);
         }
-        PerArea(1.0 / self.shapes.area(area.shape)).to_solid_angle(distance, cos) * selection
+        self.geometry.area_pdf(area.shape).to_solid_angle(distance, cos) * selection
     }
 
     /// Probability that [`Lights::sample`] at `x` chooses `emitter`.

@@ -133,6 +133,12 @@ impl Geometry {
         &self.shapes[shape as usize].form
     }
 
+    /// The mesh behind a shape, if it is one.
+    #[inline]
+    pub fn mesh(&self, shape: u32) -> Option<&Mesh> {
+        if let Form::Mesh(mesh) = self.form(shape) { Some(mesh) } else { None }
+    }
+
     /// Triangles of all meshes, each group counted once.
     pub fn triangle_count(&self) -> usize {
         self.shapes.iter().map(|s| if let Form::Mesh(m) = &s.form { m.triangles.len() } else { 0 }).sum()

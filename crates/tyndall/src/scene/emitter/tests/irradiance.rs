@@ -4,10 +4,10 @@ use super::*;
 use std::f64::consts::PI;
 use tyndall_testkit::ztest::Moments;
 
-const TESTS: usize = 4;
+const TESTS: usize = 6;
 
 /// Estimates of the irradiance at `x` of a receiver with the unit normal `n`.
-fn irradiance(lights: &Lights<StandIn>, x: Vec3, n: Vec3) -> Moments {
+fn irradiance(lights: &Lights, x: Vec3, n: Vec3) -> Moments {
     let mut random = Random::new(5);
     let estimate = |s: EmitterSample| s.radiance[0] * s.direction.dot(n).max(0.0) / s.pdf.0;
     (0..100_000).map(|_| sample(lights, x, &mut random).map_or(0.0, |s| f64::from(estimate(s)))).collect()
@@ -34,6 +34,14 @@ fn rectangle() {
     let lights = lights(&[], &[(form, [2.0; 3])]);
     irradiance(&lights, Vec3::ZERO, Vec3::Z).assert(2.0 * PI * 4.0 * corner, SIGNIFICANCE, TESTS);
     assert_eq!(irradiance(&lights, Vec3::new(0.0, 0.0, 2.0), -Vec3::Z).mean(), 0.0, "the back is dark");
+}
+
+#[test]
+fn disk() {
+    // A receiver on the axis: the form factor is 1 / (1 + h^2).
+    let lights = lights(&[], &[(Form::Disk, [2.0; 3])]);
+    let m = irradiance(&lights, Vec3::new(0.0, 0.0, 1.5), -Vec3::Z);
+    m.assert(2.0 * PI / (1.0 + 1.5 * 1.5), SIGNIFICANCE, TESTS);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Tests of the emitters, on shapes of their own.
+//! Tests of the emitters.
 
 mod density;
 mod error;
@@ -6,12 +6,13 @@ mod irradiance;
 mod oracle;
 mod segment;
 mod selection;
-mod stand_in;
+mod shape;
 
 use super::{EmitterSample, Lights};
-use crate::math::{Aabb, Ray, Transform, Vec2, Vec3};
+use crate::math::{Ray, Transform, Vec2, Vec3};
 use crate::scene::desc::{AreaEmitterDesc, EmitterDesc, EmitterKind, Filter, ImageDesc, Rgb, TextureDesc, Wrap};
-use stand_in::{Form, StandIn};
+use crate::scene::shape::Geometry;
+use shape::{Form, geometry, hits, surface};
 use std::sync::Arc;
 use tyndall_testkit::random::Random;
 
@@ -45,25 +46,25 @@ fn look_at() -> Transform {
     Transform::look_at([1.0, 2.0, 3.0], [0.0; 3], [0.0, 1.0, 0.0]).unwrap()
 }
 
-/// Emitters and emitting shapes (with constant radiance) in the box [-10, 10]^3.
-fn lights(emitters: &[EmitterDesc], shapes: &[(Form, Rgb)]) -> Lights<StandIn> {
+/// Emitters and emitting shapes with constant radiance.
+fn lights(emitters: &[EmitterDesc], shapes: &[(Form, Rgb)]) -> Lights {
     let descs: Vec<_> = shapes.iter().map(|(_, radiance)| area(TextureDesc::Constant(*radiance))).collect();
     let areas = (0..).zip(&descs).map(|(shape, desc)| ("shape", shape, desc));
-    let stand_in = Arc::new(StandIn(shapes.iter().map(|(form, _)| *form).collect()));
-    Lights::new(emitters, areas, stand_in, Aabb { min: Vec3::splat(-10.0), max: Vec3::splat(10.0) }).unwrap()
+    let forms: Vec<_> = shapes.iter().map(|(form, _)| *form).collect();
+    Lights::new(emitters, areas, geometry(&forms)).unwrap()
 }
 
 fn area(radiance: TextureDesc) -> AreaEmitterDesc {
     AreaEmitterDesc { radiance, sampling_weight: 1.0 }
 }
 
-fn sample(lights: &Lights<StandIn>, x: Vec3, random: &mut Random) -> Option<EmitterSample> {
+fn sample(lights: &Lights, x: Vec3, random: &mut Random) -> Option<EmitterSample> {
     lights.sample(x, random.f32(), Vec2::from_array(random.f32x2()))
 }
 
 /// Density with which `lights` finds the direction `d` from `x`, through all shapes in the way.
-fn pdf(lights: &Lights<StandIn>, shapes: &StandIn, x: Vec3, d: Vec3) -> f64 {
+fn pdf(lights: &Lights, shapes: &Geometry, x: Vec3, d: Vec3) -> f64 {
     let ray = Ray { origin: x, direction: d };
-    let hits = shapes.hits(&ray).map(|hit| f64::from(lights.pdf_hit(x, &hit).0));
-    hits.sum::<f64>() + f64::from(lights.pdf_escape(d).0)
+    let found: f64 = hits(shapes, ray).map(|hit| f64::from(lights.pdf_hit(x, &hit).0)).sum();
+    found + f64::from(lights.pdf_escape(d).0)
 }

@@ -117,10 +117,10 @@ fn envmap() {
 fn area_lights_emit_to_the_front() {
     let form = Form::Parallelogram(Vec3::new(-1.0, -1.0, 0.0), Vec3::X * 2.0, Vec3::Y * 2.0);
     let lights = lights(&[], &[(form, [1.0, 2.0, 3.0])]);
-    let hit = stand_in::surface(0, Vec3::ZERO, Vec3::Z);
+    let hit = surface(0, Vec3::ZERO, Vec3::Z);
     assert_eq!(lights.radiance_surface(&hit, -Vec3::Z).to_rgb(), [1.0, 2.0, 3.0]);
     assert_eq!(lights.radiance_surface(&hit, Vec3::Z).to_rgb(), [0.0; 3]);
-    // The density there of the receiver (0.3, 0.1, 3) for u = (0.3, 0.6).
-    let s = lights.sample(Vec3::new(0.3, 0.1, 3.0), 0.0, Vec2::new(0.3, 0.6)).unwrap();
-    assert!((s.pdf.0 - 2.440_080_6).abs() < 1e-5);
+    // The density there of what the receiver (0.3, 0.1, 3) sees at (-0.4, 0.2, 0).
+    let seen = surface(0, Vec3::new(-0.4, 0.2, 0.0), Vec3::Z);
+    assert!((lights.pdf_hit(Vec3::new(0.3, 0.1, 3.0), &seen).0 - 2.440_080_6).abs() < 1e-5);
 }

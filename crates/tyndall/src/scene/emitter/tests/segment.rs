@@ -4,7 +4,7 @@ use super::*;
 use crate::scene::emitter::EmitterId;
 use tyndall_testkit::ztest::Moments;
 
-fn scene() -> (Lights<StandIn>, Ray, f32) {
+fn scene() -> (Lights, Ray, f32) {
     let emitters =
         [point([1.0, 1.0, 0.0], 2.0), emitter(EmitterKind::Constant { radiance: [0.1; 3] }, Transform::IDENTITY)];
     let shapes = [
@@ -49,7 +49,7 @@ fn every_density_is_known_to_the_other_technique() {
         assert!((s.pdf.0 / again - 1.0).abs() < 1e-4, "{s:?} {again}");
         // A hit of the same point has the density that `pdf_light_point` says.
         if !s.delta {
-            let hit = stand_in::surface(s.emitter.0 - 2, s.position, s.normal);
+            let hit = surface(s.emitter.0 - 2, s.position, s.normal);
             assert_eq!(lights.pdf_light_point(x, &y), lights.pdf_hit(x, &hit));
         } else {
             assert_eq!(lights.pdf_light_point(x, &y).0, lights.point_selection_pdf(x, s.emitter));

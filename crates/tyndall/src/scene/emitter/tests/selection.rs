@@ -13,7 +13,7 @@ fn within(random: &mut Random, size: f32) -> Vec3 {
 }
 
 /// 300 finite emitters of all kinds, some infinite ones.
-fn crowd() -> Lights<StandIn> {
+fn crowd() -> Lights {
     let mut random = Random::new(11);
     let mut emitters = vec![
         emitter(EmitterKind::Constant { radiance: [0.01; 3] }, Transform::IDENTITY),
