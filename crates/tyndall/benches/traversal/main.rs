@@ -14,7 +14,7 @@ use tyndall::math::{Ray, Rng, Vec3, warp};
 use tyndall::scene::desc::{GeometryDesc, MeshDesc, ShapeDesc};
 use tyndall::scene::shape::Geometry;
 
-/// A closed bumpy sphere of `2 rings (sectors - 1)`-odd triangles.
+/// A closed bumpy sphere of `2 sectors (rings - 1)` triangles.
 fn displaced_sphere(centre: Vec3, radius: f32, sectors: u32, rings: u32, bump: f32) -> MeshDesc {
     let mut mesh = MeshDesc::default();
     let mut add = |theta: f32, phi: f32| {
@@ -106,7 +106,6 @@ fn rays(geometry: &Geometry) -> [Rays; 3] {
         let direction = offset.normalize();
         occlusion.push((Ray { origin: point.leave(direction), direction }, offset.length() * 0.999));
     }
-    // Neighbouring pixels come together in tiles, not in rows; scattered rays as the pixels come.
     let rays = |name, any, rays| Rays { name, any, rays };
     [rays("primary", false, primary), rays("scattered", false, scattered), rays("occlusion", true, occlusion)]
 }

@@ -195,15 +195,15 @@ fn instances_are_the_transformed_mesh() {
         let target = Vec3::new(3.0, 1.0, -2.0) + 1.5 * warp::square_to_sphere(rng.vec2());
         let direction = warp::square_to_sphere(rng.vec2());
         let ray = Ray { origin: target - 5.0 * direction, direction };
-        if let (Some(a), Some(b)) = (placed.intersect(&ray, 99.0), direct.intersect(&ray, 99.0)) {
-            if a.triangle == b.triangle {
-                let (p, q) = (placed.surface(&ray, &a), direct.surface(&ray, &b));
-                assert!((a.t - b.t).abs() < 1e-4 && (p.position - q.position).length() < 1e-4);
-                // The inverse transpose keeps the outside outside; the mesh without normals is turned by its winding.
-                assert!((p.normal + q.normal).length() < 1e-3);
-                assert_eq!((a.shape, a.instance, p.shape), (1, Some(0), placed.group_first_shape(0)));
-                agree += 1;
-            }
+        if let (Some(a), Some(b)) = (placed.intersect(&ray, 99.0), direct.intersect(&ray, 99.0))
+            && a.triangle == b.triangle
+        {
+            let (p, q) = (placed.surface(&ray, &a), direct.surface(&ray, &b));
+            assert!((a.t - b.t).abs() < 1e-4 && (p.position - q.position).length() < 1e-4);
+            // The inverse transpose keeps the outside outside; the mesh without normals is turned by its winding.
+            assert!((p.normal + q.normal).length() < 1e-3);
+            assert_eq!((a.shape, a.instance, p.shape), (1, Some(0), placed.group_first_shape(0)));
+            agree += 1;
         }
     }
     assert!(agree > 1000, "{agree}");
