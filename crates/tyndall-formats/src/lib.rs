@@ -4,5 +4,6 @@ pub mod file;
 pub mod grid;
 pub mod image;
 pub mod mesh;
+pub mod mitsuba;
 
 pub use file::FileError;
