@@ -89,7 +89,7 @@ fn broken_meshes_say_what_is_wrong() {
     assert!(cut.contains("found the end of the deflated mesh, expected positions"), "{cut}");
     let mut garbled = whole.clone();
     garbled[4..8].fill(0xff);
-    assert!(message(&garbled, 0).starts_with("a: byte 4: cannot be inflated: "), "{}", message(&garbled, 0));
+    assert!(message(&garbled, 0).contains(": cannot be inflated: "), "{}", message(&garbled, 0));
 
     let claim = mesh(4, 0x1000, [1 << 40, 1], &[positions], &TRIANGLES);
     assert!(message(&claim, 0).contains("found 1099511627776 vertices and 1 triangles, expected what"));
