@@ -4,6 +4,8 @@ Every renderer runs as a whole process on the same machine in the same run. Erro
 over pixels and channels, the worst 0.1 % of the pixels dropped, against R, Mitsuba's own image at many samples, kept in the
 cache. Three figures: samples per CPU-second, error at 64 samples, and what it takes to reach Mitsuba's error at 64 samples.
 
+The reference is Mitsuba's volpath: light that it cannot find (a point or spot light through smooth glass) is missing there too.
+
 (With `--mitsuba SCENE VARIANT SPP SEED THREADS SIZE OUT` the script is itself one such process.)
 """
 
@@ -132,7 +134,7 @@ def race(options, scene, names):
     r.truth = r.reference(names[0])
     samples = o.size * o.size * SPP
     print(f"\n{scene.stem}, {o.size} x {o.size}, {o.threads} threads, whole processes")
-    head = ("renderer", "M samples/CPU s", "relMSE 64 spp", "wall s", "CPU s", "CPU s at 1 spp", "relMSE x CPU s")
+    head = ("renderer", "M samples/CPU s", "relMSE 64 spp", "wall s", "CPU s", "CPU s at 1 spp", "relMSE x CPU s", "mean / reference")
     print("| " + " | ".join(head) + " |\n|" + " --- |" * len(head))
     rows = {}
     for name in [*names, "tyndall"]:
@@ -143,7 +145,7 @@ def race(options, scene, names):
         rows[name] = (wall, cpu, error)
         figures = f"{samples / cpu / 1e6:.2f} | {error:.4g} | {wall:.2f} | {cpu:.2f} | {start:.2f} | {error * cpu:.3g}"
         mean = image.mean() / r.truth.mean()
-        print(f"| {name if name == 'tyndall' else 'Mitsuba ' + name} | {figures} |  (mean / reference {mean:.4f})", flush=True)
+        print(f"| {name if name == 'tyndall' else 'Mitsuba ' + name} | {figures} | {mean:.4f} |", flush=True)
     for name in names:
         wall, cpu, error = rows[name]
         found = to_error(r, error, round(SPP * rows["tyndall"][2] / error))
