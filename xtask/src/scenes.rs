@@ -149,7 +149,7 @@ impl Revolved {
     }
 }
 
-/// The three interfaces of a glass of milk [cm]; they meet in one circle, with the same vertices.
+/// The three interfaces of a glass of milk, in centimetres; they meet in one circle, with the same vertices.
 fn glass_of_milk() -> [(&'static str, Revolved); 3] {
     let outer = |y: f64| 3.0 + 0.07 * y;
     let inner = |y: f64| outer(y) - 0.22;
