@@ -110,6 +110,18 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     Ok(())
 }
 
+/// Runs a decoder of another library, whose panics (overflows in debug builds, say) are errors of the file here.
+pub(crate) fn decode<T, E: std::fmt::Display>(
+    name: &str,
+    decoder: impl FnOnce() -> Result<T, E> + std::panic::UnwindSafe,
+) -> Result<T, FileError> {
+    match std::panic::catch_unwind(decoder) {
+        Ok(Ok(value)) => Ok(value),
+        Ok(Err(e)) => Err(FileError::whole(name, format!("cannot be decoded: {e}"))),
+        Err(_) => Err(FileError::whole(name, "cannot be decoded: the decoder gave up")),
+    }
+}
+
 /// A word of a text and where it stands.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Word<'a> {

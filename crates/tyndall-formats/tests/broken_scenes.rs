@@ -1,4 +1,6 @@
 //! Every scene in `tests/broken` has one defect; what is said about it stands beside it in an `.expected` file.
+//!
+//! With `TYNDALL_BLESS` set, what is said now is written there, to be read by eye before it is committed.
 
 use std::path::Path;
 use tyndall_formats::mitsuba::{Options, read};

@@ -1,7 +1,8 @@
 //! Small scenes with known answers, as Mitsuba 3 XML.
 //!
 //! Every scene is seen by one narrow ray (a perspective camera of 0.01 degrees and 4 x 4 pixels), so the mean of all its
-//! pixels is one radiance. The boxes of media have index-matched (`null`) walls unless the name says glass.
+//! pixels is one radiance. (The ray starts at the near clipping plane: a camera in a medium would miss the default 0.01
+//! of it, one per cent at sigma_t = 1.) The boxes of media have index-matched (`null`) walls unless the name says glass.
 
 use crate::closed_form::{SLABS, Slab, ray_radiance, ray_radiance_hg, ray_radiance_total};
 
@@ -59,6 +60,7 @@ fn scene(eye: [f64; 3], target: [f64; 3], inside: Option<&str>, max_depth: i32, 
 {parts}
     <sensor type="perspective">
         <float name="fov" value="0.01"/>
+        <float name="near_clip" value="1e-6"/>
         <transform name="to_world"><lookat origin="{}" target="{}" up="{up}"/></transform>
         <sampler type="independent"><integer name="sample_count" value="$spp"/></sampler>
         <film type="hdrfilm">

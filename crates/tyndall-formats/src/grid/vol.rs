@@ -52,7 +52,7 @@ fn parse_header(bytes: &mut Bytes) -> Result<GridDesc, FileError> {
         return Err(FileError::byte(
             bytes.name,
             0,
-            format!("found {:?}, expected the letters VOL", magic.escape_ascii().to_string()),
+            format!("found \"{}\", expected the letters VOL", magic.escape_ascii()),
         ));
     }
     let [version] = bytes.array("the version")?;

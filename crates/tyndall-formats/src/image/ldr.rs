@@ -2,22 +2,26 @@
 
 use super::tone::ToneMap;
 use super::{check_backed, srgb};
-use crate::file::FileError;
+use crate::file::{FileError, decode};
 use image::codecs::{hdr::HdrEncoder, png::PngEncoder};
 use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageFormat, ImageReader, ImageResult};
 use std::io::Cursor;
 use tyndall::scene::desc::{ImageDesc, Rgb};
 
 pub(super) fn parse(bytes: &[u8], name: &str, format: ImageFormat, raw: bool) -> Result<ImageDesc, FileError> {
-    let fail = |e: image::ImageError| FileError::whole(name, format!("cannot be decoded: {e}"));
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
-    // Checked here against the length of the file instead.
-    reader.no_limits();
-    let decoder = reader.into_decoder().map_err(fail)?;
-    let (width, height) = decoder.dimensions();
-    let (width, height) = (width as usize, height as usize);
-    check_backed(name, width, height, decoder.color_type().bytes_per_pixel() as usize, bytes.len())?;
-    let decoded = DynamicImage::from_decoder(decoder).map_err(fail)?;
+    let open = || {
+        let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+        // Checked here against the length of the file instead.
+        reader.no_limits();
+        reader.into_decoder()
+    };
+    let (width, height, pixel) = decode(name, || {
+        let decoder = open()?;
+        let (width, height) = decoder.dimensions();
+        ImageResult::Ok((width as usize, height as usize, decoder.color_type().bytes_per_pixel() as usize))
+    })?;
+    check_backed(name, width, height, pixel, bytes.len())?;
+    let decoded = decode(name, || DynamicImage::from_decoder(open()?))?;
     let curve = |encoded: f32| if raw { encoded } else { srgb::decode(encoded) };
     let pixels = match decoded {
         DynamicImage::ImageRgb32F(image) => image.pixels().map(|p| p.0).collect(),

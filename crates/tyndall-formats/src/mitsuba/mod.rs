@@ -37,7 +37,7 @@ use xml::{Attribute, Node, Tree};
 /// How deep objects may refer to objects.
 const DEEPEST: usize = 64;
 /// How often objects may be read again because something else refers to them.
-const MOST_REPEATS: usize = 1 << 20;
+const MOST_REPEATS: usize = 1 << 18;
 
 /// What the caller says about a scene.
 #[derive(Clone, Debug, Default)]

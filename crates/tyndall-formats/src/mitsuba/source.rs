@@ -22,10 +22,11 @@ pub(crate) struct Place {
 }
 
 impl Place {
+    /// A range of `source`, brought within its text and to whole characters.
     pub(crate) fn new(source: &Arc<Source>, range: std::ops::Range<usize>) -> Self {
-        let length = source.text.len();
-        let start = range.start.min(length);
-        Self { source: source.clone(), start, end: range.end.clamp(start, length) }
+        let start = source.text.floor_char_boundary(range.start);
+        let end = source.text.ceil_char_boundary(range.end.max(start));
+        Self { source: source.clone(), start, end }
     }
 
     /// Line and column, both from 1; the column counts characters.
@@ -192,7 +193,7 @@ pub(crate) fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) 
 }
 
 /// `did you mean "NEAREST"? known LIST: ...`.
-pub(crate) fn advise<'a>(word: &str, list: &str, known: &[&'a str]) -> Option<String> {
+pub(crate) fn advise(word: &str, list: &str, known: &[&str]) -> Option<String> {
     let guess =
         nearest(word, known.iter().copied()).map(|name| format!("did you mean \"{name}\"? ")).unwrap_or_default();
     (!known.is_empty()).then(|| format!("{guess}known {list}: {}", known.join(", ")))

@@ -97,18 +97,19 @@ mod tests {
     #[test]
     fn whites_are_white() {
         let flat = [[300.0, 1.0], [900.0, 1.0]];
-        close(from_wavelengths(&flat, Illuminant::Equal), EQUAL_ENERGY, 1e-4);
-        close(from_wavelengths(&flat, Illuminant::D65), [1.0; 3], 1e-3);
+        // Mitsuba 3.9.1: its tables make daylight one part in a thousand darker than white.
+        close(from_wavelengths(&flat, Illuminant::Equal), [1.204_88, 0.948_228, 0.909_267], 1e-5);
+        close(from_wavelengths(&flat, Illuminant::D65), [0.998_985, 0.998_874, 0.998_802], 2e-4);
     }
 
     #[test]
-    fn hot_bodies_are_blue_and_follow_wien() {
+    fn hot_bodies_have_the_colours_of_the_planckian_locus() {
         let cool = blackbody(2000.0, 360.0, 830.0).unwrap();
         let hot = blackbody(20_000.0, 360.0, 830.0).unwrap();
         assert!(cool[0] > cool[2] && hot[2] > hot[0]);
-        // About 6504 K is the colour of daylight.
-        let [r, g, b] = blackbody(6504.0, 360.0, 830.0).unwrap();
-        assert!((r / g - 1.0).abs() < 0.05 && (b / g - 1.0).abs() < 0.05, "{r} {g} {b}");
+        // Chromaticity x = 0.3135, y = 0.3237 at 6500 K, in linear sRGB.
+        let [r, g, b] = blackbody(6500.0, 360.0, 830.0).unwrap();
+        close([r / g, 1.0, b / g], [1.0596, 1.0, 1.0518], 3e-3);
         assert!(blackbody(-1.0, 360.0, 830.0).is_none());
     }
 }

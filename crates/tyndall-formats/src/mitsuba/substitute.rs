@@ -3,12 +3,17 @@
 use super::source::{Place, SceneError, Source, nearest};
 use std::sync::Arc;
 
+/// More text than this from substitutions is an attack or an accident: each definition may use the one before it twice.
+const MOST_TEXT: usize = 1 << 26;
+
 /// Values for `$name`: from outside, or from `<default>`.
 pub(crate) struct Definitions {
     /// Longest name first, so that `$ab` is not read as `$a` followed by `b`.
     list: Vec<Definition>,
     /// Names from outside that are defined twice.
     repeated: Option<String>,
+    /// Bytes substituted so far.
+    substituted: usize,
 }
 
 struct Definition {
@@ -20,7 +25,7 @@ struct Definition {
 
 impl Definitions {
     pub(crate) fn new(defines: &[(String, String)]) -> Self {
-        let mut this = Self { list: Vec::new(), repeated: None };
+        let mut this = Self { list: Vec::new(), repeated: None, substituted: 0 };
         for (name, value) in defines {
             if !this.add(name, value, true) {
                 this.repeated.get_or_insert_with(|| name.clone());
@@ -67,6 +72,10 @@ impl Definitions {
                 return Err(self.undefined(rest, place));
             };
             definition.used = true;
+            self.substituted += definition.value.len();
+            if self.substituted > MOST_TEXT {
+                return Err(place.error(format!("more than {MOST_TEXT} bytes substituted, expected fewer")));
+            }
             out.push_str(&definition.value);
             rest = &rest[definition.name.len()..];
         }

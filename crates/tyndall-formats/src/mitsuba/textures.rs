@@ -163,7 +163,7 @@ impl<'t> Reader<'t> {
         if bag.node.old {
             bag.ignore(&["cache", "max_anisotropy"]);
             raw |= match bag.number("gamma")? {
-                Some((gamma, _)) if gamma == 1.0 => true,
+                Some((1.0, _)) => true,
                 Some((gamma, place)) if gamma > 0.0 => {
                     return Err(place.error(format!("gamma {gamma}, expected 1 (linear) or -1 (sRGB)")));
                 }

@@ -9,6 +9,9 @@ use std::sync::Arc;
 /// Elements deeper than this are an attack or an accident.
 const DEEPEST: usize = 64;
 
+/// More included files than this are an attack or an accident: each may include the next one twice.
+const MOST_INCLUDES: usize = 10_000;
+
 /// Every element, and the attributes it may have.
 const ELEMENTS: &[(&str, &[&str])] = &[
     ("scene", &["version", "type", "id", "name"]),
@@ -154,6 +157,7 @@ pub(crate) fn load(
         ids: HashMap::new(),
         aliases: HashMap::new(),
         count: 0,
+        includes: 0,
     };
     let mut nodes = Vec::new();
     loader.document(&source, folder, None, 0, &mut nodes)?;
@@ -173,6 +177,7 @@ struct Loader {
     ids: HashMap<String, Place>,
     aliases: HashMap<String, String>,
     count: usize,
+    includes: usize,
 }
 
 /// What holds for the elements of one file.
@@ -330,7 +335,11 @@ impl Loader {
             return Err(filename.place.error(format!("\"{}\" includes itself, expected no cycle", filename.value)));
         }
         if context.depth + self.open.len() > DEEPEST {
-            return Err(filename.place.error(format!("includes nested more than {DEEPEST} deep")));
+            return Err(filename.place.error(format!("includes nested more than {DEEPEST} deep, expected fewer")));
+        }
+        self.includes += 1;
+        if self.includes > MOST_INCLUDES {
+            return Err(filename.place.error(format!("more than {MOST_INCLUDES} included files, expected fewer")));
         }
         let text = std::fs::read_to_string(&path).map_err(unreadable)?;
         let source = Arc::new(Source { name: path.display().to_string(), text: text.into() });
@@ -362,9 +371,8 @@ fn syntax_error(source: &Arc<Source>, error: &roxmltree::Error) -> SceneError {
         source.text.split_inclusive('\n').take((position.row as usize).saturating_sub(1)).map(str::len).sum();
     let column = (position.col as usize).saturating_sub(1);
     let start = line_start + source.text[line_start..].chars().take(column).map(char::len_utf8).sum::<usize>();
-    // The parser's own words end in the position, which the message already starts with.
-    let words = error.to_string();
-    let words = words.rsplit_once(" at ").map_or(words.as_str(), |(words, _)| words);
+    // The parser's own words repeat the position.
+    let words = error.to_string().replace(&format!(" at {position}"), "");
     Place::new(source, start..start + 1).error(format!("XML syntax: {words}"))
 }
 

@@ -173,14 +173,9 @@ impl Bvh {
         if self.nodes.is_empty() {
             return;
         }
-        let low = region.min.to_array().map(L::splat);
-        let high = region.max.to_array().map(L::splat);
-        let meet = |node: &Node, _| {
-            let row = |i: usize| L::load(&node.planes[i]);
-            let axis = |i: usize| row(i).le(high[i]).and(low[i].le(row(i + 3)));
-            axis(0).and(axis(1)).and(axis(2)).bits()
-        };
-        self.any(f32::INFINITY, meet, |leaf, t_max| visit.leaf::<L>(leaf, t_max));
+        let low = splat::<L>(region.min.to_array());
+        let high = splat::<L>(region.max.to_array());
+        self.any(f32::INFINITY, |node, _| node.overlap(&low, &high), |leaf, t_max| visit.leaf::<L>(leaf, t_max));
     }
 
     /// Depth-first over the children that `meet` lets in, until `leaf` answers with a negative distance.
@@ -206,6 +201,12 @@ impl Bvh {
     }
 }
 
+/// Three numbers, each in all lanes. (Closures over lanes may fail to be inlined, and then are slow: none is used.)
+#[inline(always)]
+fn splat<L: Lanes>([x, y, z]: [f32; 3]) -> [L; 3] {
+    [L::splat(x), L::splat(y), L::splat(z)]
+}
+
 /// A ray made ready for slab tests (Kay and Kajiya 1986).
 struct Slab<L: Lanes> {
     /// Row of the plane through which the ray enters, by axis.
@@ -228,27 +229,42 @@ impl<L: Lanes> Slab<L> {
         let slack = (reach + ray.origin.abs().max_element()) * (8.0 * 0.5 * f32::EPSILON);
         let backward = ray.direction.to_array().map(|d| d.is_sign_negative());
         let origin = ray.origin.to_array();
-        let moved = |i: usize, by: f32| L::splat(origin[i] + if backward[i] { -by } else { by });
+        let moved = |by: f32| -> [f32; 3] { std::array::from_fn(|i| origin[i] + if backward[i] { -by } else { by }) };
+        let (early, late, inverse) = (moved(slack), moved(-slack), ray.direction.recip().to_array());
         Self {
             enter: std::array::from_fn(|i| if backward[i] { i + 3 } else { i }),
             exit: std::array::from_fn(|i| if backward[i] { i } else { i + 3 }),
-            enter_origin: std::array::from_fn(|i| moved(i, slack)),
-            exit_origin: std::array::from_fn(|i| moved(i, -slack)),
-            inverse: ray.direction.to_array().map(|d| L::splat(1.0 / d)),
+            enter_origin: splat(early),
+            exit_origin: splat(late),
+            inverse: splat(inverse),
         }
+    }
+
+    /// Where the ray passes the planes through which it enters.
+    #[inline(always)]
+    fn entry(&self, node: &Node, axis: usize) -> L {
+        // SAFETY: `enter` holds numbers from 0 to 5.
+        let row = unsafe { node.planes.get_unchecked(self.enter[axis]) };
+        L::load(row).sub(self.enter_origin[axis]).mul(self.inverse[axis])
+    }
+
+    /// Where the ray passes the planes through which it leaves.
+    #[inline(always)]
+    fn leaving(&self, node: &Node, axis: usize) -> L {
+        // SAFETY: `exit` holds numbers from 0 to 5.
+        let row = unsafe { node.planes.get_unchecked(self.exit[axis]) };
+        L::load(row).sub(self.exit_origin[axis]).mul(self.inverse[axis])
     }
 
     /// Where the ray enters the boxes, and which of them it meets within `[0, t_max]`.
     #[inline(always)]
     fn meet(&self, node: &Node, t_max: f32) -> (L, u32) {
-        // SAFETY: `enter` and `exit` hold numbers from 0 to 5.
-        let row = |i: usize| L::load(unsafe { node.planes.get_unchecked(i) });
-        let near = |i: usize| row(self.enter[i]).sub(self.enter_origin[i]).mul(self.inverse[i]);
-        let far = |i: usize| row(self.exit[i]).sub(self.exit_origin[i]).mul(self.inverse[i]);
         // A ray in the plane of a face gives 0 * infinity; standing on the left that NaN is dropped, and the slab
         // counts as met.
-        let t0 = near(0).max(near(1).max(near(2).max(L::splat(0.0))));
-        let t1 = far(0).min(far(1).min(far(2).min(L::splat(t_max))));
+        let (x, y, z) = (self.entry(node, 0), self.entry(node, 1), self.entry(node, 2));
+        let t0 = x.max(y.max(z.max(L::splat(0.0))));
+        let (x, y, z) = (self.leaving(node, 0), self.leaving(node, 1), self.leaving(node, 2));
+        let t1 = x.min(y.min(z.min(L::splat(t_max))));
         (t0, t0.le(t1).bits())
     }
 }
@@ -297,6 +313,17 @@ impl<T: Copy + Ord> Stack<T> {
 }
 
 impl Node {
+    /// Which boxes overlap the one between `low` and `high`.
+    #[inline(always)]
+    fn overlap<L: Lanes>(&self, low: &[L; 3], high: &[L; 3]) -> u32 {
+        let mut overlap = low[0].le(L::load(&self.planes[3])).and(L::load(&self.planes[0]).le(high[0]));
+        for axis in 1..3 {
+            let [from, to] = [axis, axis + 3].map(|i| &self.planes[i]);
+            overlap = overlap.and(low[axis].le(L::load(to))).and(L::load(from).le(high[axis]));
+        }
+        overlap.bits()
+    }
+
     /// A node without children.
     pub(super) fn empty() -> Self {
         let (low, high) = (Row([f32::INFINITY; WIDTH]), Row([f32::NEG_INFINITY; WIDTH]));

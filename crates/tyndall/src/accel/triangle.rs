@@ -79,23 +79,28 @@ impl TrianglePacket {
         self.vertices.map(|rows| Vec3::from_array(rows.map(|row| row.0[lane])))
     }
 
+    /// The vertices `corner` seen from the ray, sheared so that it is the z axis.
+    #[inline(always)]
+    fn sheared<L: Lanes>(&self, corner: usize, ray: &TriangleRay, origin: [f32; 3]) -> (L, L, L) {
+        let [kx, ky, kz] = ray.axes;
+        let rows = &self.vertices[corner];
+        // SAFETY: `axes` is a permutation of 0, 1, 2.
+        let (x, y, z) = unsafe { (rows.get_unchecked(kx), rows.get_unchecked(ky), rows.get_unchecked(kz)) };
+        let z = L::load(z).sub(L::splat(origin[2]));
+        let x = L::load(x).sub(L::splat(origin[0])).sub(L::splat(ray.shear.x).mul(z));
+        let y = L::load(y).sub(L::splat(origin[1])).sub(L::splat(ray.shear.y).mul(z));
+        (x, y, z)
+    }
+
     /// Tells `found` of every triangle that the ray meets in (0, t_max), in the order of the lanes; `found` gets the
     /// present `t_max` and answers with the new one. Returns the last one.
     #[inline(always)]
     pub fn meet<L: Lanes>(&self, ray: &TriangleRay, t_max: f32, mut found: impl FnMut(TriangleHit, f32) -> f32) -> f32 {
         let o = ray.ray.origin;
-        let [kx, ky, kz] = ray.axes;
-        let origin = [o[kx], o[ky], o[kz]].map(L::splat);
-        let (shear_x, shear_y) = (L::splat(ray.shear.x), L::splat(ray.shear.y));
-        let corner = |i: usize| {
-            // SAFETY: `axes` is a permutation of 0, 1, 2.
-            let row = |k: usize| L::load(unsafe { self.vertices[i].get_unchecked(k) });
-            let z = row(kz).sub(origin[2]);
-            let x = row(kx).sub(origin[0]).sub(shear_x.mul(z));
-            let y = row(ky).sub(origin[1]).sub(shear_y.mul(z));
-            (x, y, z)
-        };
-        let ((ax, ay, az), (bx, by, bz), (cx, cy, cz)) = (corner(0), corner(1), corner(2));
+        let origin = ray.axes.map(|k| o[k]);
+        let (ax, ay, az) = self.sheared::<L>(0, ray, origin);
+        let (bx, by, bz) = self.sheared::<L>(1, ray, origin);
+        let (cx, cy, cz) = self.sheared::<L>(2, ray, origin);
         let u = cx.mul(by).sub(cy.mul(bx));
         let v = ax.mul(cy).sub(ay.mul(cx));
         let w = bx.mul(ay).sub(by.mul(ax));

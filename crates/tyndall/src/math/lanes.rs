@@ -64,7 +64,7 @@ pub trait Mask: Copy {
 }
 
 /// A computation over lanes. Mark `run`, and everything generic over lanes that it calls, `#[inline(always)]`: only
-/// then is it compiled for the instructions of its level.
+/// then is it compiled for the instructions of its level. Keep lanes out of closures, which cannot be marked so.
 pub trait Kernel {
     /// What it computes.
     type Output;

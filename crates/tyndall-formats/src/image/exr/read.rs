@@ -1,6 +1,6 @@
 //! Reading OpenEXR through the crate `exr`.
 
-use crate::file::FileError;
+use crate::file::{FileError, decode};
 use crate::image::picture::{Channel, Layer, Picture};
 use crate::image::{Metadata, check_backed};
 use exr::meta::MetaData;
@@ -9,22 +9,17 @@ use exr::prelude::{FlatSamples, ReadChannels, ReadLayers};
 use std::collections::BTreeMap;
 use std::io::Cursor;
 
-/// Pictures of more samples are decompressed by several threads; for smaller ones starting them takes longer.
-const PARALLEL_FROM: usize = 1 << 20;
-
 pub(crate) fn parse(bytes: &[u8], name: &str) -> Result<Picture, FileError> {
-    let fail = |e: exr::error::Error| FileError::whole(name, format!("cannot be decoded: {e}"));
-    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(fail)?;
-    let mut samples = 0;
+    let meta = decode(name, || MetaData::read_from_buffered(Cursor::new(bytes), false))?;
     for header in &meta.headers {
         let (width, height) = (header.layer_size.width(), header.layer_size.height());
         check_backed(name, width, height, 4 * header.channels.list.len(), bytes.len())?;
-        samples += width * height * header.channels.list.len();
     }
-    let reader =
-        exr::prelude::read().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
-    let reader = if samples < PARALLEL_FROM { reader.non_parallel() } else { reader };
-    let image = reader.from_buffered(Cursor::new(bytes)).map_err(fail)?;
+    // In this thread: a panic among the library's own threads would end the program.
+    let image = decode(name, || {
+        let reader = exr::prelude::read().no_deep_data().largest_resolution_level();
+        reader.all_channels().all_layers().all_attributes().non_parallel().from_buffered(Cursor::new(bytes))
+    })?;
 
     let mut attributes = BTreeMap::new();
     let mut size = None;
@@ -64,9 +59,11 @@ pub(crate) fn parse(bytes: &[u8], name: &str) -> Result<Picture, FileError> {
 }
 
 /// Size and texts, without the samples.
-pub(crate) fn parse_metadata(reader: impl std::io::Read, name: &str) -> Result<Metadata, FileError> {
-    let fail = |e: exr::error::Error| FileError::whole(name, format!("cannot be decoded: {e}"));
-    let meta = MetaData::read_from_buffered(reader, false).map_err(fail)?;
+pub(crate) fn parse_metadata(
+    reader: impl std::io::Read + std::panic::UnwindSafe,
+    name: &str,
+) -> Result<Metadata, FileError> {
+    let meta = decode(name, || MetaData::read_from_buffered(reader, false))?;
     let mut attributes = BTreeMap::new();
     for header in &meta.headers {
         collect_texts(&header.shared_attributes.other, &mut attributes);

@@ -60,3 +60,6 @@ impl Instance {
         if self.flip { -n } else { n }
     }
 }
+
+#[cfg(test)]
+mod tests;
