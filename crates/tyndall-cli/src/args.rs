@@ -40,8 +40,10 @@ pub(crate) struct Render {
     #[arg(long, value_name = "KEY=VALUE", value_parser = pair)]
     pub(crate) set: Vec<(String, String)>,
 
-    /// Samples per pixel; the scene's own number if no budget is given. A pass is one sample per pixel
-    #[arg(long, visible_alias = "passes", value_name = "N", value_parser = clap::value_parser!(u32).range(1..),
+    /// Samples per pixel; the scene's own number if no budget is given
+    ///
+    /// A pass is one sample per pixel and, where light paths are needed, one new set of them.
+    #[arg(long, visible_alias = "passes", value_name = "N", value_parser = count,
           group = "budget", help_heading = "Budget")]
     pub(crate) spp: Option<u32>,
 
@@ -53,8 +55,9 @@ pub(crate) struct Render {
     #[arg(long, value_name = "ERROR", value_parser = positive, group = "budget", help_heading = "Budget")]
     pub(crate) error: Option<f64>,
 
-    /// Size of the film in pixels. The horizontal field of view stays, the vertical one follows the new aspect; the
-    /// scene's crop is dropped
+    /// Size of the film in pixels
+    ///
+    /// The horizontal field of view stays, the vertical one follows the new aspect. The scene's crop is dropped.
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub(crate) size: Option<[u32; 2]>,
 
@@ -62,16 +65,22 @@ pub(crate) struct Render {
     #[arg(long, value_name = "X,Y,W,H", value_parser = crop)]
     pub(crate) crop: Option<[u32; 4]>,
 
-    /// Seed of the random numbers: the same seed gives the same picture; the scene's own if not given
-    #[arg(long, value_name = "N")]
+    /// Seed of the random numbers; the scene's own if not given
+    ///
+    /// The same seed gives the same picture, bit for bit.
+    #[arg(long, value_name = "N", value_parser = seed)]
     pub(crate) seed: Option<u64>,
 
-    /// Number of threads; all processors if not given. The picture does not depend on it
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
-    pub(crate) threads: Option<u16>,
+    /// Number of threads; all processors if not given
+    ///
+    /// The picture does not depend on it, bit for bit.
+    #[arg(long, value_name = "N", value_parser = count)]
+    pub(crate) threads: Option<u32>,
 
-    /// The picture to write, by its ending .exr, .pfm, .hdr or .png; the scene's name with .exr in the current folder if
-    /// not given
+    /// The picture: .exr, .pfm, .hdr or .png; by default the scene's name with .exr, in the current folder
+    ///
+    /// Beside an .exr lies a .png to look at. An .exr also says how it was made: the scene and its variables, the
+    /// integrator and its parameters, seed, samples, seconds and program; only `seconds` differs between equal renders.
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     pub(crate) output: Option<PathBuf>,
 
@@ -86,12 +95,16 @@ pub(crate) struct Render {
     #[arg(long, help_heading = "Output")]
     pub(crate) no_preview: bool,
 
-    /// Save the state of the rendering to OUTPUT.checkpoint this often; removed when the picture is finished
+    /// Save the state of the rendering to OUTPUT.checkpoint this often
+    ///
+    /// It is complete at any moment and removed when the picture is finished.
     #[arg(long, value_name = "DURATION", value_parser = duration, help_heading = "Checkpoints")]
     pub(crate) checkpoint: Option<Duration>,
 
-    /// Continue from OUTPUT.checkpoint if it is there; the picture becomes bit for bit the one of a rendering that was
-    /// never interrupted. Implies --checkpoint 60s
+    /// Continue from OUTPUT.checkpoint if it is there; implies --checkpoint 60s
+    ///
+    /// The picture becomes bit for bit that of a rendering that was never interrupted. Budget and number of threads may
+    /// differ; everything else, files that the scene loads included, has to be as it was.
     #[arg(long, help_heading = "Checkpoints")]
     pub(crate) resume: bool,
 
@@ -188,7 +201,7 @@ pub(crate) struct Encoding {
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = finite)]
     pub(crate) exposure: f32,
 
-    /// Curve of the .png
+    /// Curve of the .png: clamp, reinhard or filmic [default: clamp]
     #[arg(long, value_name = "NAME")]
     pub(crate) tonemap: Option<String>,
 
@@ -219,6 +232,14 @@ fn crop(text: &str) -> Result<[u32; 4], String> {
     let numbers = text.split(',').map(|word| word.trim().parse().map_err(|_| ())).collect::<Result<Vec<u32>, ()>>();
     let crop: [u32; 4] = numbers.and_then(|numbers| numbers.try_into().map_err(|_| ())).map_err(fail)?;
     if crop[2] == 0 || crop[3] == 0 { Err(fail(())) } else { Ok(crop) }
+}
+
+fn count(text: &str) -> Result<u32, String> {
+    text.parse().ok().filter(|n| *n > 0).ok_or_else(|| "expected a whole number from 1".into())
+}
+
+fn seed(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| "expected a whole number from 0".into())
 }
 
 fn finite(text: &str) -> Result<f32, String> {

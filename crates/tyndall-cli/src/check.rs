@@ -13,8 +13,8 @@ use std::sync::Arc;
 use tyndall::integrators;
 use tyndall::scene::Scene;
 use tyndall::scene::desc::{
-    EmitterKind, FilmDesc, GeometryDesc, MediumDesc, MediumKind, PhaseDesc, Rgb, SceneDesc, SensorDesc, SensorKind,
-    VolumeDesc,
+    EmitterKind, FilmDesc, GeometryDesc, MediumDesc, MediumKind, PhaseDesc, ReconstructionFilter, Rgb, SceneDesc,
+    SensorDesc, SensorKind, VolumeDesc,
 };
 
 /// Reads and builds a scene, prints a summary, says what a user should know.
@@ -22,7 +22,7 @@ pub(crate) fn run(args: &Check) -> Result<(), Failure> {
     let console = Console::NORMAL;
     let desc = load(&args.scene, console)?;
     let scene = build(&desc, console)?;
-    let integrator = integrators::make(&desc.integrator).map_err(Failure::other)?;
+    let integrator = integrators::make(&desc.integrator).map_err(choice::scene_error)?;
     for warning in integrator.warnings(&scene) {
         console.warning(warning);
     }
@@ -46,10 +46,8 @@ fn summary(path: &Path, desc: &SceneDesc, scene: &Scene) -> String {
     line("sampler", format!("{} samples per pixel, seed {}", desc.sampler.sample_count, desc.sampler.seed));
     line("integrator", format!("{} {}", desc.integrator.name, choice::parameters(&desc.integrator)));
     let (geometry, pictures) = (scene.geometry.memory_bytes() as f64, picture_bytes(desc) as f64);
-    line(
-        "memory",
-        format!("{}B of geometry, {}B of grids and environment maps", quantity(geometry), quantity(pictures)),
-    );
+    let (geometry, pictures) = (quantity(geometry, "B"), quantity(pictures, "B"));
+    line("memory", format!("{geometry} of geometry, {pictures} of grids and environment maps"));
     text
 }
 
@@ -156,7 +154,18 @@ fn describe_sensor(sensor: &SensorDesc) -> String {
 
 fn describe_film(film: &FilmDesc) -> String {
     let crop = film.crop.map(|[x, y, w, h]| format!(", of which {w}x{h} at {x},{y}")).unwrap_or_default();
-    format!("{}x{} pixels{crop}, filter {:?}", film.width, film.height, film.filter)
+    format!("{}x{} pixels{crop}, {}", film.width, film.height, describe_filter(film.filter))
+}
+
+fn describe_filter(filter: ReconstructionFilter) -> String {
+    match filter {
+        ReconstructionFilter::Box => "box filter".into(),
+        ReconstructionFilter::Tent { radius } => format!("tent filter of radius {radius}"),
+        ReconstructionFilter::Gaussian { stddev } => format!("Gaussian filter of deviation {stddev}"),
+        ReconstructionFilter::Mitchell { b, c } => format!("Mitchell filter with B {b} and C {c}"),
+        ReconstructionFilter::CatmullRom => "Catmull-Rom filter".into(),
+        ReconstructionFilter::Lanczos { lobes } => format!("Lanczos filter of {lobes} lobes"),
+    }
 }
 
 /// Bytes of grids and environment maps, each once.

@@ -2,7 +2,7 @@
 
 use crate::console::Console;
 use crate::failure::Failure;
-use tyndall::integrators::{self, IntegratorInfo, ParameterInfo, REGISTRY};
+use tyndall::integrators::{self, IntegratorInfo, ParameterError, ParameterInfo, REGISTRY};
 use tyndall::scene::desc::{IntegratorDesc, ParameterValue};
 
 /// Parameters of the scene's integrator that another one takes over if it knows them.
@@ -22,7 +22,7 @@ pub(crate) fn choose(
 ) -> Result<IntegratorDesc, Failure> {
     let mut desc = chosen.map_or_else(|| scene.clone(), |info| replace(scene, info, console));
     // What the scene says is checked first: its mistakes are not those of the command line.
-    integrators::make(&desc).map_err(Failure::other)?;
+    integrators::make(&desc).map_err(scene_error)?;
     let info = find(&desc.name)?;
     for (key, value) in set {
         if info.parameters.iter().all(|p| p.name != key) {
@@ -34,6 +34,11 @@ pub(crate) fn choose(
     }
     integrators::make(&desc).map_err(Failure::usage)?;
     Ok(desc)
+}
+
+/// A mistake in what the scene says about its integrator.
+pub(crate) fn scene_error(error: ParameterError) -> Failure {
+    Failure::other(format_args!("the scene's integrator: {error}"))
 }
 
 /// `info` in place of the scene's integrator.

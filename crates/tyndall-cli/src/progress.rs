@@ -48,32 +48,32 @@ impl Progress {
     }
 }
 
-/// `12 samples per pixel, 3.1 M samples/s, error 0.05, 12 s left`.
+/// `12 samples per pixel, 3.1 Msamples/s, error 0.05, 12 s left`.
 fn describe(state: &render::Progress, pixels: f64) -> String {
     let rate = f64::from(state.passes) * pixels / state.seconds.max(1e-9);
     let error = state.error.map(|error| format!(", error {error:.3}")).unwrap_or_default();
     let left = state.remaining().map(|seconds| format!(", {} left", time(seconds))).unwrap_or_default();
-    format!("{} samples per pixel, {} samples/s{error}{left}", state.passes, quantity(rate))
+    format!("{} samples per pixel, {}{error}{left}", state.passes, quantity(rate, "samples/s"))
 }
 
-/// `0.25 s`, `12 s`, `3 min 20 s`, `2 h 5 min`.
+/// `2.5 s`, `12 s`, `3 min 20 s`, `2 h 5 min`.
 pub(crate) fn time(seconds: f64) -> String {
     let whole = seconds.round() as u64;
     match whole {
-        0..10 => format!("{seconds:.2} s"),
+        0..10 => format!("{seconds:.1} s"),
         10..60 => format!("{whole} s"),
         60..3600 => format!("{} min {} s", whole / 60, whole % 60),
         _ => format!("{} h {} min", whole / 3600, whole % 3600 / 60),
     }
 }
 
-/// `850`, `12.3 k`, `1.2 M`.
-pub(crate) fn quantity(number: f64) -> String {
+/// `850 B`, `12.3 kB`, `1.2 MB`.
+pub(crate) fn quantity(number: f64, unit: &str) -> String {
     match number {
-        n if n < 1e3 => format!("{n:.0}"),
-        n if n < 1e6 => format!("{:.1} k", n / 1e3),
-        n if n < 1e9 => format!("{:.1} M", n / 1e6),
-        n => format!("{:.1} G", n / 1e9),
+        n if n < 1e3 => format!("{n:.0} {unit}"),
+        n if n < 1e6 => format!("{:.1} k{unit}", n / 1e3),
+        n if n < 1e9 => format!("{:.1} M{unit}", n / 1e6),
+        n => format!("{:.1} G{unit}", n / 1e9),
     }
 }
 
@@ -83,20 +83,20 @@ mod tests {
 
     #[test]
     fn times_and_quantities() {
-        assert_eq!(time(0.254), "0.25 s");
+        assert_eq!(time(2.54), "2.5 s");
         assert_eq!(time(12.4), "12 s");
         assert_eq!(time(59.9), "1 min 0 s");
         assert_eq!(time(200.0), "3 min 20 s");
         assert_eq!(time(7500.0), "2 h 5 min");
-        assert_eq!(quantity(850.0), "850");
-        assert_eq!(quantity(12_300.0), "12.3 k");
-        assert_eq!(quantity(1.2e6), "1.2 M");
+        assert_eq!(quantity(850.0, "B"), "850 B");
+        assert_eq!(quantity(12_300.0, "B"), "12.3 kB");
+        assert_eq!(quantity(1.2e6, "B"), "1.2 MB");
     }
 
     #[test]
     fn a_line() {
         let state = render::Progress { passes: 4, seconds: 2.0, fraction: 0.25, error: Some(0.05) };
-        assert_eq!(describe(&state, 1000.0), "4 samples per pixel, 2.0 k samples/s, error 0.050, 6.00 s left");
+        assert_eq!(describe(&state, 1000.0), "4 samples per pixel, 2.0 ksamples/s, error 0.050, 6.0 s left");
     }
 
     #[test]

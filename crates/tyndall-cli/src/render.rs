@@ -40,7 +40,7 @@ pub(crate) fn run(args: &args::Render) -> Result<ExitCode, Failure> {
     // What it loaded is in the scene by now.
     drop(desc);
 
-    let settings = Settings { threads: args.threads.map(usize::from), ..Settings::default() };
+    let settings = Settings { threads: args.threads.map(|n| n as usize), ..Settings::default() };
     let mut rendering = Rendering::new(&scene, &settings).map_err(Failure::other)?;
     for warning in rendering.warnings() {
         console.warning(warning);
@@ -119,7 +119,7 @@ fn report(rendering: &Rendering, pixels: f64, outputs: &Outputs, interrupted: bo
     let total = f64::from(samples) * pixels;
     let strange = rendering.rare_events().non_finite as f64;
     if strange > NON_FINITE_BUDGET * total {
-        console.warning(format_args!("{strange} of {} samples were not finite and count as black", quantity(total)));
+        console.warning(format_args!("{strange} of {} were not finite and count as black", quantity(total, "samples")));
     }
     let (how, seconds) = (if interrupted { "interrupted: " } else { "" }, time(rendering.seconds()));
     console.say(format_args!("{how}wrote {outputs} with {samples} samples per pixel after {seconds}"));

@@ -63,8 +63,10 @@ fn find(name: &str) -> Result<(&'static str, Measure), Failure> {
 }
 
 fn table(measures: &[(&str, Measure)], a: View, b: View) -> Result<String, Failure> {
-    let line =
-        |(name, measure): &(&str, Measure)| Ok(format!("{name:<7} {}\n", measure.of(a, b).map_err(Failure::other)?));
+    let short = |x: f64| if x == 0.0 || (1e-2..1e3).contains(&x) { format!("{x:.4}") } else { format!("{x:.4e}") };
+    let line = |(name, measure): &(&str, Measure)| {
+        Ok(format!("{name:<7} {}\n", short(measure.of(a, b).map_err(Failure::other)?)))
+    };
     measures.iter().map(line).collect()
 }
 

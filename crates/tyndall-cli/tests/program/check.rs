@@ -5,7 +5,7 @@ use std::process::Stdio;
 
 #[test]
 fn a_summary_of_the_scene() {
-    let folder = Folder::new();
+    let folder = Folder::with_scene();
     let (out, err) = folder.succeed("check ball.xml");
     for expected in [
         "ball.xml\n",
@@ -14,7 +14,7 @@ fn a_summary_of_the_scene() {
         "`fog`: homogeneous, sigma_t 1.5 1/m, albedo 0.8, Henyey-Greenstein g 0.3\n",
         "emitters    2 (1 constant, 1 point)\n",
         "camera      perspective, 40 degrees wide, at (0 1 5)\n",
-        "film        20x14 pixels, filter ",
+        "film        20x14 pixels, Gaussian filter of deviation 0.5\n",
         "sampler     4 samples per pixel, seed 0\n",
         "integrator  volpath max_depth=6 rr_depth=5 ",
         "memory      ",
@@ -28,7 +28,7 @@ fn a_summary_of_the_scene() {
 
 #[test]
 fn warnings() {
-    let folder = Folder::new();
+    let folder = Folder::with_scene();
     let mut dark: String = SCENE.lines().filter(|line| !line.contains("<emitter")).collect();
     dark = dark.replace("origin=\"0, 1, 5\"", "origin=\"0, 0, 0.5\"").replace("volpath", "path");
     std::fs::write(folder.path("dark.xml"), dark).unwrap();
@@ -42,7 +42,7 @@ fn warnings() {
 
 #[test]
 fn integrators() {
-    let folder = Folder::new();
+    let folder = Folder::with_scene();
     let (list, _) = folder.succeed("integrators");
     let (one, _) = folder.succeed("integrators volpath");
     let (alias, _) = folder.succeed("integrators volpathmis");
@@ -58,7 +58,7 @@ fn integrators() {
 
 #[test]
 fn a_reader_who_has_seen_enough_is_no_error() {
-    let folder = Folder::new();
+    let folder = Folder::with_scene();
     let mut child =
         folder.command("integrators --markdown").stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     drop(child.stdout.take());

@@ -43,7 +43,7 @@ fn passes(folder: &Folder) -> u32 {
 
 #[test]
 fn killed_at_any_moment_it_continues_bit_for_bit() {
-    let folder = Folder::new();
+    let folder = Folder::with_scene();
     // So often that many of the kills hit it while a checkpoint is written.
     let words = format!("{ENDLESS} -q --checkpoint 1ms --resume");
     let mut done = 0;
@@ -68,7 +68,7 @@ fn killed_at_any_moment_it_continues_bit_for_bit() {
 
 #[test]
 fn ctrl_c_writes_what_is_there() {
-    let folder = Folder::new();
+    let folder = Folder::with_scene();
     let mut child = folder.command(&format!("{ENDLESS} --checkpoint 1h")).stderr(Stdio::piped()).spawn().unwrap();
     let mut stderr = BufReader::new(child.stderr.take().unwrap());
     wait_for_line(&mut stderr, "rendering 20x14 pixels");
@@ -89,7 +89,7 @@ fn ctrl_c_writes_what_is_there() {
 
 #[test]
 fn ctrl_c_twice_stops_at_once() {
-    let folder = Folder::new();
+    let folder = Folder::with_scene();
     // One pass takes many seconds.
     let words = format!("{ENDLESS} --size 3000x2000 --threads 1");
     let mut child = folder.command(&words).stderr(Stdio::piped()).spawn().unwrap();
@@ -104,7 +104,7 @@ fn ctrl_c_twice_stops_at_once() {
 
 #[test]
 fn a_checkpoint_of_something_else_is_refused() {
-    let folder = Folder::new();
+    let folder = Folder::with_scene();
     let mut child = folder.command(&format!("{ENDLESS} -q --checkpoint 1ms")).spawn().unwrap();
     wait_for_file(&folder, "a.exr.checkpoint");
     child.kill().unwrap();
@@ -121,7 +121,7 @@ fn a_checkpoint_of_something_else_is_refused() {
 
 #[test]
 fn without_a_checkpoint_resume_starts_anew() {
-    let folder = Folder::new();
+    let folder = Folder::with_scene();
     let err = folder.succeed("render ball.xml --no-preview --resume --spp 1").1;
     assert!(err.contains("starting anew"), "{err}");
     assert_eq!(folder.files(), ["ball.exr", "ball.xml"]);

@@ -4,7 +4,7 @@ use crate::{Folder, magic, red};
 
 /// Two renders with different seeds.
 fn renders() -> Folder {
-    let folder = Folder::new();
+    let folder = Folder::with_scene();
     folder.succeed("render ball.xml -q --no-preview --variance --spp 8 -o a.exr");
     folder.succeed("render ball.xml -q --no-preview --variance --spp 24 --seed 1 -o b.exr");
     folder

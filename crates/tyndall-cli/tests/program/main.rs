@@ -41,8 +41,8 @@ pub const SCENE: &str = r#"<scene version="3.0.0">
 pub struct Folder(tempfile::TempDir);
 
 impl Folder {
-    /// With nothing else in it.
-    pub fn new() -> Self {
+    /// With nothing but the scene in it.
+    pub fn with_scene() -> Self {
         let folder = Self(tempfile::tempdir().unwrap());
         std::fs::write(folder.path("ball.xml"), SCENE).unwrap();
         folder

@@ -4,7 +4,7 @@ use crate::{Folder, magic, red};
 
 #[test]
 fn writes_a_picture_and_a_preview_beside_it() {
-    let folder = Folder::new();
+    let folder = Folder::with_scene();
     let (out, err) = folder.succeed("render ball.xml");
     assert_eq!(out, "");
     assert!(err.contains("wrote ball.exr and ball.png with 4 samples per pixel"), "{err}");
@@ -28,7 +28,7 @@ fn writes_a_picture_and_a_preview_beside_it() {
 
 #[test]
 fn writes_every_format() {
-    let folder = Folder::new();
+    let folder = Folder::with_scene();
     folder.succeed("render ball.xml --spp 1 --quiet --variance --half --no-preview -o a.exr");
     folder.succeed("render ball.xml --spp 1 --quiet -o a.PFM");
     folder.succeed("render ball.xml --spp 1 --quiet -o a.hdr");
@@ -47,7 +47,7 @@ fn writes_every_format() {
 
 #[test]
 fn quiet_says_nothing_and_verbose_more() {
-    let folder = Folder::new();
+    let folder = Folder::with_scene();
     assert_eq!(folder.succeed("render ball.xml --spp 1 -q"), (String::new(), String::new()));
     let normal = folder.succeed("render ball.xml --spp 1").1;
     let verbose = folder.succeed("render ball.xml --spp 1 -v").1;
@@ -56,7 +56,7 @@ fn quiet_says_nothing_and_verbose_more() {
 
 #[test]
 fn budgets() {
-    let folder = Folder::new();
+    let folder = Folder::with_scene();
     let samples = |words: &str| -> u32 {
         folder.succeed(&format!("render ball.xml -q --no-preview {words}"));
         folder.picture("ball.exr").attribute("samples").unwrap().parse().unwrap()
@@ -71,7 +71,7 @@ fn budgets() {
 
 #[test]
 fn the_same_picture_at_any_number_of_threads() {
-    let folder = Folder::new();
+    let folder = Folder::with_scene();
     for threads in 1..=3 {
         folder.succeed(&format!(
             "render ball.xml -q --no-preview --variance --size 50x40 --threads {threads} -o {threads}.exr"
@@ -86,7 +86,7 @@ fn the_same_picture_at_any_number_of_threads() {
 
 #[test]
 fn a_crop_is_that_part_of_the_picture() {
-    let folder = Folder::new();
+    let folder = Folder::with_scene();
     folder.succeed("render ball.xml -q --no-preview -o whole.exr");
     folder.succeed("render ball.xml -q --no-preview --crop 3,2,11,9 -o part.exr");
     let (whole, part) = (folder.picture("whole.exr"), folder.picture("part.exr"));
@@ -97,7 +97,7 @@ fn a_crop_is_that_part_of_the_picture() {
 
 #[test]
 fn integrator_parameters_and_variables() {
-    let folder = Folder::new();
+    let folder = Folder::with_scene();
     let mean = |words: &str| {
         folder.succeed(&format!("render ball.xml -q --no-preview --spp 16 {words}"));
         let picture = folder.picture("ball.exr");
