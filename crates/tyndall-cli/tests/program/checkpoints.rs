@@ -3,6 +3,7 @@
 
 use crate::{Folder, text};
 use std::io::{BufRead, BufReader, Read};
+use std::os::unix::fs::MetadataExt;
 use std::os::unix::process::ExitStatusExt;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -31,39 +32,45 @@ fn wait_for_file(folder: &Folder, name: &str) {
     }
 }
 
-/// Passes in a checkpoint: what a copy of it says when continued.
-fn passes(folder: &Folder) -> u32 {
-    std::fs::copy(folder.path("a.exr.checkpoint"), folder.path("copy.exr.checkpoint")).unwrap();
-    let err = folder.succeed("render ball.xml --spp 1 --no-preview --resume -o copy.exr").1;
-    assert!(err.contains("continuing from copy.exr.checkpoint"), "{err}");
-    let passes = folder.picture("copy.exr").attribute("samples").unwrap().parse().unwrap();
-    assert_eq!(err.contains("more than asked for"), passes > 1, "{err}");
-    passes
+/// Changes with every write to a file.
+fn stamp(folder: &Folder, name: &str) -> Option<(u64, u64, i64)> {
+    folder.path(name).metadata().ok().map(|m| (m.ino(), m.len(), m.mtime_nsec()))
 }
 
 #[test]
 fn killed_at_any_moment_it_continues_bit_for_bit() {
     let folder = Folder::with_scene();
-    // So often that many of the kills hit it while a checkpoint is written.
-    let words = format!("{ENDLESS} -q --checkpoint 1ms --resume");
+    let picture = "render ball.xml --size 100x75 --variance --no-preview";
+    let samples = |name: &str| folder.picture(name).attribute("samples").unwrap().parse::<u32>().unwrap();
     let mut done = 0;
-    for delay in [0, 20, 45, 80] {
+    // At the very moment when a checkpoint is written, and some time after.
+    for delay in [0, 0, 0, 0, 30] {
+        let before = stamp(&folder, "a.exr.checkpoint");
+        let words = format!("{picture} --spp 1000000000 -q --checkpoint 1ms --resume -o a.exr");
         let mut child = folder.command(&words).spawn().unwrap();
-        wait_for_file(&folder, "a.exr.checkpoint");
+        let start = Instant::now();
+        while stamp(&folder, "a.exr.checkpoint") == before {
+            assert!(start.elapsed() < Duration::from_secs(60), "no checkpoint");
+            std::hint::spin_loop();
+        }
         std::thread::sleep(Duration::from_millis(delay));
         child.kill().unwrap();
         assert_eq!(child.wait().unwrap().signal(), Some(9));
         assert!(!folder.path("a.exr").exists());
-        let now = passes(&folder);
-        assert!(now >= done);
-        done = now;
+        // How far it came: what a copy says when it is continued.
+        std::fs::copy(folder.path("a.exr.checkpoint"), folder.path("copy.exr.checkpoint")).unwrap();
+        let err = folder.succeed(&format!("{picture} --spp 1 --resume -o copy.exr")).1;
+        assert!(err.contains("continuing from copy.exr.checkpoint"), "{err}");
+        assert_eq!(err.contains("more than asked for"), samples("copy.exr") > 1, "{err}");
+        assert!(samples("copy.exr") > done);
+        done = samples("copy.exr");
     }
-    let total = done + 8;
-    folder.succeed(&format!("render ball.xml -q --variance --no-preview --spp {total} --resume -o a.exr"));
+    let total = done + 3;
+    folder.succeed(&format!("{picture} -q --spp {total} --resume -o a.exr"));
     assert!(!folder.path("a.exr.checkpoint").exists());
-    folder.succeed(&format!("render ball.xml -q --variance --no-preview --spp {total} --threads 1 -o b.exr"));
+    folder.succeed(&format!("{picture} -q --spp {total} --threads 1 -o b.exr"));
     assert!(folder.timeless("a.exr") == folder.timeless("b.exr"));
-    assert_eq!(folder.picture("a.exr").attribute("samples"), Some(&*total.to_string()));
+    assert_eq!(samples("a.exr"), total);
 }
 
 #[test]
