@@ -104,13 +104,19 @@ fn describe_volume(volume: &VolumeDesc, scale: f32) -> String {
             let [x, y, z] = grid.size;
             let fold = |f: fn(f32, f32) -> f32, start| grid.values.iter().copied().fold(start, f) * scale;
             let (min, max) = (fold(f32::min, f32::INFINITY), fold(f32::max, f32::NEG_INFINITY));
-            format!("a grid of {x}x{y}x{z} from {min} to {max}")
+            format!("a grid of {x}x{y}x{z} from {} to {}", significant(min), significant(max))
         }
     }
 }
 
 fn describe_rgb([r, g, b]: Rgb) -> String {
+    let [r, g, b] = [r, g, b].map(significant);
     if r == g && g == b { r.to_string() } else { format!("({r} {g} {b})") }
+}
+
+/// Rounded to six digits, what is left of a number that went through `f32`.
+fn significant(x: f32) -> f64 {
+    format!("{x:.5e}").parse().unwrap_or(f64::from(x))
 }
 
 fn describe_phase(phase: &PhaseDesc) -> String {
@@ -142,13 +148,14 @@ fn describe_emitters(desc: &SceneDesc) -> String {
 
 fn describe_sensor(sensor: &SensorDesc) -> String {
     let kind = match sensor.kind {
-        SensorKind::Perspective { fov_x, .. } => format!("perspective, {fov_x} degrees wide"),
+        SensorKind::Perspective { fov_x, .. } => format!("perspective, {} degrees wide", significant(fov_x)),
         SensorKind::ThinLens { fov_x, aperture_radius, focus_distance } => {
             format!("thin lens of radius {aperture_radius} m, {fov_x} degrees wide, in focus at {focus_distance} m")
         }
         SensorKind::Orthographic => "orthographic".into(),
     };
-    let [x, y, z] = sensor.to_world.point([0.0; 3]);
+    // To a tenth of a millimetre; adding zero removes the sign of a negative one.
+    let [x, y, z] = sensor.to_world.point([0.0; 3]).map(|x| (x * 1e4).round() / 1e4 + 0.0);
     format!("{kind}, at ({x} {y} {z})")
 }
 
