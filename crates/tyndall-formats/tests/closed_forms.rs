@@ -76,7 +76,8 @@ fn default_techniques() {
 #[test]
 fn without_equiangular_sampling() {
     let names = ["square-light", "furnace-chromatic", "furnace-room"];
-    let cases: Vec<Case> = corpus::all().into_iter().filter(|case| names.iter().any(|n| case.name.contains(n))).collect();
+    let cases: Vec<Case> =
+        corpus::all().into_iter().filter(|case| names.iter().any(|n| case.name.contains(n))).collect();
     assert_eq!(cases.len(), names.len());
     cases.iter().for_each(|case| agrees(case, &[("equiangular_legs", 0)], 3 * cases.len()));
 }
