@@ -9,9 +9,7 @@ pub struct Equiangular {
     delta: f32,
     /// Distance of the point from the ray's line, metres, never zero.
     height: f32,
-    /// Angle at the point from the foot to the start.
-    start: f32,
-    /// Angle at the point that the segment spans.
+    /// Angle that the segment spans, seen from the point.
     span: f32,
 }
 
@@ -24,15 +22,22 @@ impl Equiangular {
         // The rejection, not sqrt(l^2 - delta^2), which cancels near the line.
         let rejection = to_target - delta * ray.direction;
         let height = rejection.length().max(1e-6 * to_target.length()).max(1e-12);
-        let start = (-delta).atan2(height);
-        let end = (length - delta).atan2(height);
-        Self { delta, height, start, span: (end - start).max(1e-12) }
+        // Sine and cosine of the angle between the directions to both ends, times the same factor.
+        let (sin, cos) = if length.is_finite() {
+            (height * length, height * height - delta * (length - delta))
+        } else {
+            (height, -delta)
+        };
+        Self { delta, height, span: sin.atan2(cos).max(1e-12) }
     }
 
     /// The distance for `u` in [0, 1).
     #[inline]
     pub fn sample(&self, u: f32) -> f32 {
-        (self.delta + self.height * (self.start + u * self.span).tan()).max(0.0)
+        // delta + height tan(start + u span) with tan(start) = -delta / height, by the addition theorem.
+        let (sin, cos) = (u * self.span).sin_cos();
+        let square = self.delta * self.delta + self.height * self.height;
+        (square * sin / (self.height * cos + self.delta * sin)).max(0.0)
     }
 
     /// Density of the distance `t`.

@@ -1,12 +1,13 @@
 //! `volpath`: volumetric path tracing.
 //!
-//! One random walk from the camera; at every vertex an emitter is sampled, and on segments through homogeneous media a
-//! point near the emitter as well. Three techniques find single scattering, weighted by the balance heuristic over
-//! their joint densities of distance and direction:
+//! One random walk from the camera; at every vertex an emitter is sampled. On a flight through a homogeneous medium the
+//! emitter's point may come first and the distance near it second. Three techniques find single scattering, weighted
+//! by the balance heuristic over their joint densities of distance and direction; a coin of probability `q` decides
+//! between the first and the third before the flight (one-sample model, Veach 1997, section 9.2.4):
 //!
-//! - free flight, then an emitter: `p_flight(t) p_light(w)`;
+//! - free flight, then an emitter: `(1 - q) p_flight(t) p_light(w)`;
 //! - free flight, then the phase function hits the emitter: `p_flight(t) p_phase(w) P`, `P` the probability of arriving;
-//! - a point on an emitter, then the distance by equiangular sampling: `p_equiangular(t | y) p_segment(y)`.
+//! - a point on an emitter, then the distance by equiangular sampling: `q p_equiangular(t | y) p_segment(y)`.
 
 use super::parameters::{ParameterError, Parameters};
 use super::{Integrator, IntegratorInfo, Job, ParameterInfo, RareEvents, path};
@@ -52,6 +53,10 @@ pub mod common {
     };
 }
 
+/// Probability of equiangular sampling on a flight that is sure to end in the medium, if all emitters are at finite
+/// distances.
+const EQUIANGULAR_SHARE: f32 = 0.5;
+
 /// The registry's entry.
 pub const INFO: IntegratorInfo = IntegratorInfo {
     name: "volpath",
@@ -65,7 +70,7 @@ pub const INFO: IntegratorInfo = IntegratorInfo {
         ParameterInfo {
             name: "equiangular_legs",
             kind: super::ParameterKind::Integer,
-            default: "2",
+            default: "-1",
             unit: "",
             description: "Number of first legs of a path on which equiangular sampling is used; -1 is all, 0 is none.",
         },
@@ -174,6 +179,7 @@ impl Volpath {
             radiance: Spectrum::ZERO,
             last: Last { position: camera.ray.origin, pdf: None, survival: 1.0, sampled: None },
             flight: None,
+            equiangular: false,
         };
         let start =
             Start { ray: camera.ray, length: camera.t_max, medium: scene.camera_medium, throughput: Spectrum::ONE };
@@ -189,6 +195,8 @@ struct SampledFlight {
     length: f32,
     distance: f32,
     density: PerLength,
+    /// Probability of equiangular sampling.
+    share: f32,
 }
 
 /// What the weights of multiple importance sampling need to know of the last vertex.
@@ -209,8 +217,9 @@ struct Tracer<'a> {
     options: &'a Options,
     radiance: Spectrum,
     last: Last,
-    /// The flight that led to the current vertex, if equiangular sampling was tried on it.
+    /// The flight that led to the current vertex, if equiangular sampling could have been used on it, and whether it was.
     flight: Option<SampledFlight>,
+    equiangular: bool,
 }
 
 impl Tracer<'_> {
@@ -224,19 +233,20 @@ impl Tracer<'_> {
     /// there, relative to the density of the flight.
     #[inline(always)]
     fn equiangular_ratio(&self, flight: &SampledFlight, emitter: EmitterId, target: Vec3, normal: Vec3) -> f32 {
-        let SampledFlight { ray, length, distance, density } = flight;
+        let SampledFlight { ray, length, distance, density, share } = flight;
         let light = self.scene.lights.segment_pdf(ray, *length, ray.at(*distance), emitter, target, normal);
-        light.0 * Equiangular::new(ray, *length, target).density(*distance).0 / density.0
+        share * light.0 * Equiangular::new(ray, *length, target).density(*distance).0 / density.0
     }
 
-    /// Weight of light that the walk found by itself.
+    /// Weight of light that the walk found by itself, against the densities of the other techniques.
     #[inline(always)]
     fn hit_weight(&self, light: PerSolidAngle, equiangular: f32) -> f32 {
         match self.last.pdf {
             None => 1.0,
             Some(pdf) => {
                 let walked = pdf.0 * self.last.survival;
-                walked / (walked + light.0 + equiangular)
+                let direct = self.last.sampled.map_or(1.0, |flight| 1.0 - flight.share);
+                walked / (walked + direct * light.0 + equiangular)
             }
         }
     }
@@ -262,6 +272,7 @@ impl Sink for Tracer<'_> {
     fn segment(&mut self, segment: &Segment, sampler: &mut Sampler) {
         self.last.survival *= segment.flight.survival;
         self.flight = None;
+        self.equiangular = false;
         let medium = self.scene.medium(segment.medium);
         let Extinction::Homogeneous(model) = medium.kind() else { return };
         if segment.leg >= self.options.equiangular_legs || !medium.sample_emitters() || !self.scene.lights.any_finite()
@@ -272,13 +283,25 @@ impl Sink for Tracer<'_> {
         let uniform = Uniform::along(model, medium.phase(), ray);
         // A segment that leaves the scene is cut where the medium has become opaque.
         let length = segment.length.min(uniform.opaque_distance());
+        // As often as light is scattered here: elsewhere the shadow ray would be wasted.
+        let scattered = 1.0 - uniform.transmittance(length).mean();
+        let share = EQUIANGULAR_SHARE * scattered * self.scene.lights.finite_share();
+        if !(share > 0.0) {
+            return;
+        }
         if let Some(density) = segment.flight.density {
-            self.flight = Some(SampledFlight { ray: *ray, length, distance: segment.flight.distance, density });
+            let distance = segment.flight.distance;
+            self.flight = Some(SampledFlight { ray: *ray, length, distance, density, share });
         }
         if segment.scatterings + 2 > self.options.rules.max_depth {
             return;
         }
         let (choice, u) = (sampler.f32(), sampler.f32());
+        if choice >= share {
+            return;
+        }
+        self.equiangular = true;
+        let choice = choice / share;
         let Some(point) = self.scene.lights.sample_for_segment(ray, length, choice, sampler.vec2()) else { return };
         let equiangular = Equiangular::new(ray, length, point.position);
         let t = equiangular.sample(u);
@@ -292,11 +315,11 @@ impl Sink for Tracer<'_> {
         }
         let Some((arriving, survival)) = self.connect(position, &light, Some(segment.medium), sampler) else { return };
         // Densities per length and solid angle at `position`.
-        let chosen = light.pdf.0 * equiangular.density(t).0;
-        let by_emitter = flown.0 * self.scene.lights.pdf_light_point(position, &point).0;
+        let chosen = share * light.pdf.0 * equiangular.density(t).0;
+        let by_emitter = (1.0 - share) * flown.0 * self.scene.lights.pdf_light_point(position, &point).0;
         let by_phase = if light.delta { 0.0 } else { flown.0 * phase.0 * survival };
         let weight = chosen / (chosen + by_emitter + by_phase);
-        self.radiance += scattered * arriving * (weight / equiangular.density(t).0);
+        self.radiance += scattered * arriving * (weight / (share * equiangular.density(t).0));
     }
 
     #[inline]
@@ -343,7 +366,9 @@ impl Sink for Tracer<'_> {
 
     #[inline]
     fn vertex(&mut self, vertex: &Vertex, sampler: &mut Sampler) {
-        if !samples_emitters(self.scene, vertex) {
+        // The flight through the medium that ends here, if it shares its direct light with equiangular sampling.
+        let flight = self.flight.filter(|_| matches!(vertex.scattering, Scattering::Medium { .. }));
+        if !samples_emitters(self.scene, vertex) || (flight.is_some() && self.equiangular) {
             return;
         }
         let Some(light) = self.scene.lights.sample(vertex.position, sampler.f32(), sampler.vec2()) else { return };
@@ -354,13 +379,14 @@ impl Sink for Tracer<'_> {
         let (origin, medium) = departure(self.scene, vertex, light.direction);
         let Some((arriving, survival)) = self.connect(origin, &light, medium, sampler) else { return };
         let walked = if light.delta { 0.0 } else { pdf.0 * survival };
-        let equiangular = match (&vertex.scattering, &self.flight) {
-            (Scattering::Medium { .. }, Some(flight)) if self.scene.lights.is_finite(light.emitter) => {
+        let direct = flight.map_or(1.0, |flight| 1.0 - flight.share);
+        let equiangular = match &flight {
+            Some(flight) if self.scene.lights.is_finite(light.emitter) => {
                 self.equiangular_ratio(flight, light.emitter, light.position, light.normal)
             }
             _ => 0.0,
         };
-        let weight = light.pdf.0 / (light.pdf.0 + walked + equiangular);
+        let weight = light.pdf.0 / (direct * light.pdf.0 + walked + equiangular);
         self.radiance += vertex.throughput * value * arriving * weight;
     }
 

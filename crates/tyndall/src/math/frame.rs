@@ -32,7 +32,8 @@ impl Frame {
     pub fn from_normal_and_tangent(n: Vec3, tangent: Vec3) -> Self {
         let s = tangent - n * n.dot(tangent);
         let length_squared = s.length_squared();
-        if !(length_squared > 1e-20) {
+        // Nearly parallel, or no tangent at all.
+        if !(length_squared > 1e-10 * tangent.length_squared()) {
             return Self::from_normal(n);
         }
         let s = s * length_squared.sqrt().recip();

@@ -1,7 +1,7 @@
 //! Four dimensions of the Sobol' sequence with hash-based Owen scrambling (Burley 2020, "Practical Hash-based Owen
 //! Scrambling"; the permutation is that of Laine and Karras 2011 with the constants of Vegdahl 2021).
 
-use super::random::{hash32, unit_f32};
+use super::random::{hash64, unit_f32};
 
 /// Dimensions of one batch.
 pub const BATCH: usize = 4;
@@ -72,19 +72,16 @@ fn permute(mut x: u32, seed: u32) -> u32 {
 ///
 /// Different keys give independently scrambled and shuffled sequences.
 #[inline]
-pub fn point(index: u32, key: u32) -> [f32; BATCH] {
-    let index = permute(index.reverse_bits(), hash32(key)).reverse_bits();
+pub fn point(index: u32, key: u64) -> [f32; BATCH] {
+    // One seed for the shuffle and one for each dimension, from different bits of one hash.
+    let seeds = hash64(key);
+    let index = permute(index.reverse_bits(), seeds as u32).reverse_bits();
     let bytes = index.to_le_bytes();
-    std::array::from_fn(|d| {
-        let reversed = match d {
-            0 => index,
-            d => {
-                let table = &TABLE[d - 1];
-                (0..4).fold(0, |x, k| x ^ table[k][bytes[k] as usize])
-            }
-        };
-        unit_f32(permute(reversed, hash32(key.wrapping_add((d as u32 + 1).wrapping_mul(0x9e37_79b9)))).reverse_bits())
-    })
+    let mut digits = [index; BATCH];
+    for (digits, table) in digits[1..].iter_mut().zip(&TABLE) {
+        *digits = (0..4).fold(0, |x, k| x ^ table[k][bytes[k] as usize]);
+    }
+    std::array::from_fn(|d| unit_f32(permute(digits[d], seeds.rotate_left(13 * (d as u32 + 1)) as u32).reverse_bits()))
 }
 
 #[cfg(test)]
@@ -128,10 +125,10 @@ mod tests {
 
     #[test]
     fn keys_are_uncorrelated() {
-        let n = 4096;
+        let n = 4096u64;
         let mean =
-            (0..n).map(|key| f64::from(point(3, key)[0]) * f64::from(point(3, key + n)[0])).sum::<f64>() / f64::from(n);
+            (0..n).map(|key| f64::from(point(3, key)[0]) * f64::from(point(3, key + n)[0])).sum::<f64>() / n as f64;
         // The product of independent uniform numbers has mean 1/4 and standard deviation 0.22.
-        assert!((mean - 0.25).abs() < 3.0 * 0.22 / f64::from(n).sqrt(), "{mean}");
+        assert!((mean - 0.25).abs() < 3.0 * 0.22 / (n as f64).sqrt(), "{mean}");
     }
 }

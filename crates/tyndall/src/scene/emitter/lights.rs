@@ -343,8 +343,9 @@ impl Lights {
         self.tree.probability(|i| i.along_segment(ray, t_max), emitter.0)
     }
 
+    /// Probability that an emitter at a finite distance is chosen.
     #[inline]
-    fn finite_share(&self) -> f32 {
+    pub fn finite_share(&self) -> f32 {
         if self.infinite.is_empty() { 1.0 } else { 1.0 - INFINITE_SHARE }
     }
 

@@ -8,7 +8,7 @@ use super::surface::SurfacePoint;
 use super::tree::{Any, Nearest, Search, Seen, Through, Tree, Want, frobenius};
 use super::{Form, GeometryError, Instance, Problem};
 use crate::math::lanes::Level;
-use crate::math::{Aabb, Frame, Ray, Vec2};
+use crate::math::{Aabb, Frame, Ray, Vec2, Vec3};
 use crate::scene::desc::ShapeDesc;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -180,62 +180,83 @@ impl Geometry {
     }
 
     /// The point where the ray hits.
+    #[inline]
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        match (self.form(hit.shape), hit.instance) {
+            (Form::Mesh(mesh), None) => {
+                let reach = rounding(ray.origin.as_dvec3() + hit.t as f64 * ray.direction.as_dvec3());
+                place(hit, mesh.meet(hit.triangle, hit.barycentrics, reach), reach)
+            }
+            _ => self.other_surface(ray, hit),
+        }
+    }
+
+    /// The point where the ray hits anything but a mesh of the world.
+    #[inline(never)]
+    fn other_surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         let instance = hit.instance.and_then(|i| match self.form(i) {
             Form::Instance(instance) => Some(instance),
             _ => None,
         });
         let ray = instance.map_or(*ray, |i| i.local_ray(ray));
         let on_ray = ray.origin.as_dvec3() + hit.t as f64 * ray.direction.as_dvec3();
-        let point = match self.form(hit.shape) {
+        let mut point = match self.form(hit.shape) {
             Form::Mesh(mesh) => {
                 // Rounding in the group's space, and in the world's as seen from there.
                 let local = rounding(on_ray);
                 let reach = instance
                     .map_or(local, |i| local + rounding(i.to_world.transform_point3(on_ray)) * frobenius_inverse(i));
-                return self.place(hit, mesh.meet(&ray, hit.triangle, reach), instance);
+                mesh.meet(hit.triangle, hit.barycentrics, reach)
             }
-            Form::Sphere(sphere) => sphere.point(on_ray - sphere.center),
-            Form::Disk(disk) => disk.point(disk.local(on_ray)),
-            Form::Cylinder(cylinder) => cylinder.nearest(on_ray),
+            Form::Sphere(sphere) => sphere.point(on_ray - sphere.center).into(),
+            Form::Disk(disk) => disk.point(disk.local(on_ray)).into(),
+            Form::Cylinder(cylinder) => cylinder.nearest(on_ray).into(),
             Form::Instance(_) => {
                 debug_assert!(false, "a hit names the surface, not the instance around it");
-                Point::facing(on_ray, -ray.direction.as_dvec3())
+                Point::facing(on_ray, -ray.direction.as_dvec3()).into()
             }
         };
-        self.place(hit, LocalPoint::from(point), instance)
+        let mut epsilon = rounding(point.position);
+        if let Some(instance) = instance {
+            point = instance.place(point);
+            epsilon = epsilon * frobenius(instance) + rounding(point.position);
+        }
+        place(hit, point, epsilon)
     }
+}
 
-    /// Takes a point of a shape to the world and rounds it.
-    pub(super) fn place(&self, hit: &Hit, mut p: LocalPoint, instance: Option<&Instance>) -> SurfacePoint {
-        let mut epsilon = rounding(p.position);
-        if let Some(i) = instance {
-            epsilon *= frobenius(i);
-            p.position = i.to_world.transform_point3(p.position);
-            epsilon += rounding(p.position);
-            p.dp_du = i.to_world.transform_vector3(p.dp_du);
-            p.dp_dv = i.to_world.transform_vector3(p.dp_dv);
-            p.normal = i.normal(p.normal);
-            p.shading_normal = i.normal(p.shading_normal);
+impl Instance {
+    /// Takes a point of the group to the world.
+    fn place(&self, p: LocalPoint) -> LocalPoint {
+        let vector = |v: Vec3| self.to_world.transform_vector3(v.as_dvec3()).as_vec3();
+        LocalPoint {
+            position: self.to_world.transform_point3(p.position),
+            normal: self.normal(p.normal),
+            shading_normal: self.normal(p.shading_normal.as_dvec3()).as_vec3(),
+            dp_du: vector(p.dp_du),
+            dp_dv: vector(p.dp_dv),
+            ..p
         }
-        let normal = p.normal.as_vec3();
-        let mut shading_normal = p.shading_normal.as_vec3();
-        if shading_normal.dot(normal) < 0.0 {
-            shading_normal = -shading_normal;
-        }
-        let dp_du = p.dp_du.as_vec3();
-        SurfacePoint {
-            position: p.position.as_vec3(),
-            normal,
-            shading: Frame::from_normal_and_tangent(shading_normal, dp_du.normalize_or_zero()),
-            uv: p.uv,
-            dp_du,
-            dp_dv: p.dp_dv.as_vec3(),
-            shape: hit.shape,
-            triangle: hit.triangle,
-            barycentrics: p.barycentrics,
-            epsilon: epsilon as f32,
-        }
+    }
+}
+
+/// Rounds a point of the world and gives it its shading frame.
+#[inline]
+pub(super) fn place(hit: &Hit, p: LocalPoint, epsilon: f64) -> SurfacePoint {
+    let normal = p.normal.as_vec3();
+    let away = p.shading_normal.dot(normal) < 0.0;
+    let shading_normal = if away { -p.shading_normal } else { p.shading_normal };
+    SurfacePoint {
+        position: p.position.as_vec3(),
+        normal,
+        shading: Frame::from_normal_and_tangent(shading_normal, p.dp_du),
+        uv: p.uv,
+        dp_du: p.dp_du,
+        dp_dv: p.dp_dv,
+        shape: hit.shape,
+        triangle: hit.triangle,
+        barycentrics: p.barycentrics,
+        epsilon: epsilon as f32,
     }
 }
 
@@ -244,10 +265,10 @@ impl Geometry {
 pub(super) struct LocalPoint {
     pub(super) position: DVec3,
     pub(super) normal: DVec3,
-    pub(super) shading_normal: DVec3,
+    pub(super) shading_normal: Vec3,
     pub(super) uv: Vec2,
-    pub(super) dp_du: DVec3,
-    pub(super) dp_dv: DVec3,
+    pub(super) dp_du: Vec3,
+    pub(super) dp_dv: Vec3,
     pub(super) barycentrics: Vec2,
 }
 
@@ -256,10 +277,10 @@ impl From<Point> for LocalPoint {
         Self {
             position: p.position,
             normal: p.normal,
-            shading_normal: p.normal,
+            shading_normal: p.normal.as_vec3(),
             uv: p.uv(),
-            dp_du: p.dp_du,
-            dp_dv: p.dp_dv,
+            dp_du: p.dp_du.as_vec3(),
+            dp_dv: p.dp_dv.as_vec3(),
             barycentrics: Vec2::ZERO,
         }
     }

@@ -60,9 +60,9 @@ pub struct Point {
     pub dp_dv: DVec3,
 }
 
-/// The angle of (x, y) over a full turn, in [0, 1).
+/// The angle of (x, y) over a full turn, in [0, 1). Texture coordinates need no more than single precision.
 fn turn(x: f64, y: f64) -> f64 {
-    let u = y.atan2(x) / TAU;
+    let u = f64::from((y as f32).atan2(x as f32)) / TAU;
     if u < 0.0 { u + 1.0 } else { u }
 }
 
@@ -119,12 +119,12 @@ impl Sphere {
         let n = out.try_normalize().unwrap_or(self.axes[2]);
         let [x, y, z] = self.axes.map(|a| a.dot(n));
         let [ex, ey, ez] = self.axes;
-        let rho = x.hypot(y);
+        let rho = (x * x + y * y).sqrt();
         let (cos, sin) = if rho > 0.0 { (x / rho, y / rho) } else { (1.0, 0.0) };
         Point {
             position: self.center + self.radius * n,
             normal: self.side * n,
-            uv: DVec2::new(turn(x, y), z.clamp(-1.0, 1.0).acos() / PI),
+            uv: DVec2::new(turn(x, y), f64::from((rho as f32).atan2(z as f32)) / PI),
             dp_du: TAU * self.radius * (x * ey - y * ex),
             dp_dv: PI * self.radius * (z * (cos * ex + sin * ey) - rho * ez),
         }
@@ -208,7 +208,7 @@ impl Cylinder {
     /// The surface point at the angle of (x, y) and at `z` metres from the base.
     pub fn point(&self, x: f64, y: f64, z: f64) -> Point {
         let [ex, ey, ez] = self.axes;
-        let r = x.hypot(y);
+        let r = (x * x + y * y).sqrt();
         let (cos, sin) = if r > 0.0 { (x / r, y / r) } else { (1.0, 0.0) };
         let out = cos * ex + sin * ey;
         Point {

@@ -1,5 +1,6 @@
 //! Points on shapes, for emitters.
 
+use super::geometry::{place, rounding};
 use super::quadric::Sphere;
 use super::{Form, Geometry, Hit, Mesh, SurfacePoint};
 use crate::math::random::{hash32, unit_f32};
@@ -70,7 +71,8 @@ impl Geometry {
             Form::Instance(_) => return None,
         };
         let hit = Hit { t: 0.0, shape, triangle, barycentrics: point.barycentrics, instance: None };
-        Some((self.place(&hit, point, None), self.area_pdf(shape)))
+        let epsilon = rounding(point.position);
+        Some((place(&hit, point, epsilon), self.area_pdf(shape)))
     }
 
     /// A direction uniform over the solid angle of a sphere seen from `from`. `None` for other shapes and when `from` is
@@ -92,8 +94,9 @@ impl Geometry {
         let distance = cone.distance * cos - half_chord;
         let point = sphere.point(from.as_dvec3() + distance * direction - sphere.center);
         let hit = Hit { t: distance as f32, shape, triangle: 0, barycentrics: Vec2::ZERO, instance: None };
+        let epsilon = rounding(point.position);
         Some(SphereSample {
-            point: self.place(&hit, point.into(), None),
+            point: place(&hit, point.into(), epsilon),
             direction: direction.as_vec3(),
             distance: distance as f32,
             pdf: cone.pdf(),
