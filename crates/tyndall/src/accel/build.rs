@@ -66,7 +66,8 @@ pub(super) fn build(bounds: &[Aabb]) -> Bvh {
     };
     let order = items.iter().map(|i| i.index).collect();
     drop(items);
-    let mut bvh = Bvh { nodes: Vec::new(), order, starts: vec![0], bounds: Some(root.bounds) };
+    let largest = root.bounds.min.abs().max(root.bounds.max.abs()).max_element();
+    let mut bvh = Bvh { nodes: Vec::new(), order, starts: vec![0], bounds: Some(root.bounds), largest };
     write_down(&tree, &mut bvh);
     bvh.nodes.shrink_to_fit();
     bvh.starts.shrink_to_fit();
