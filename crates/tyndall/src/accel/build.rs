@@ -6,6 +6,8 @@ use crate::math::{Aabb, Vec3};
 use rayon::prelude::*;
 
 const BINS: usize = 16;
+/// Leaves are split into lanes left over where that takes the expected number of visits below this share.
+const LEAF_SPLIT: f32 = 0.75;
 /// Ranges of more items are built by several threads ...
 const PARALLEL_BUILD: usize = 4096;
 /// ... and ranges of more items are also binned by several threads.
@@ -33,6 +35,8 @@ struct Cluster {
     len: usize,
     bounds: Aabb,
     centres: Aabb,
+    /// Whether it may be worth splitting.
+    open: bool,
 }
 
 /// A subtree before it is written down.
@@ -59,14 +63,13 @@ pub(super) fn build(bounds: &[Aabb]) -> Bvh {
         len: items.len(),
         bounds: items.iter().fold(Aabb::EMPTY, |b, i| b.union(i.bounds)),
         centres: items.iter().fold(Aabb::EMPTY, |b, i| b.include(i.centre())),
+        open: true,
     };
-    let tree = match grow(&mut items, root, 0) {
-        leaf @ Tree::Leaf { .. } => Tree::Inner(vec![(root.bounds, leaf)]),
-        inner => inner,
-    };
+    let tree = grow(&mut items, root, 0);
     let order = items.iter().map(|i| i.index).collect();
     drop(items);
-    let mut bvh = Bvh { nodes: Vec::new(), order, starts: vec![0], bounds: Some(root.bounds) };
+    let largest = root.bounds.min.abs().max(root.bounds.max.abs()).max_element();
+    let mut bvh = Bvh { nodes: Vec::new(), order, starts: vec![0], bounds: Some(root.bounds), largest };
     write_down(&tree, &mut bvh);
     bvh.nodes.shrink_to_fit();
     bvh.starts.shrink_to_fit();
@@ -95,24 +98,30 @@ fn write_down(tree: &Tree, bvh: &mut Bvh) -> u32 {
 
 /// Builds the subtree over `items`, which are those of `cluster`.
 fn grow(items: &mut [Item], cluster: Cluster, depth: usize) -> Tree {
-    if items.len() <= WIDTH {
+    if items.len() <= WIDTH && depth > 0 {
         return Tree::Leaf { len: items.len() };
     }
     let mut clusters = vec![Cluster { first: 0, ..cluster }];
     while clusters.len() < WIDTH {
-        // Open the largest box that is not a leaf; the first one of equals.
-        let mut widest: Option<(usize, f32)> = None;
-        for (i, c) in clusters.iter().enumerate().filter(|(_, c)| c.len > WIDTH) {
-            let area = c.bounds.half_area();
-            if widest.is_none_or(|(_, w)| area > w) {
-                widest = Some((i, area));
+        // Open the largest box, leaves last; the first one of equals.
+        let mut widest: Option<(usize, (bool, f32))> = None;
+        for (i, c) in clusters.iter().enumerate().filter(|(_, c)| c.open) {
+            let size = (c.len > WIDTH, c.bounds.half_area());
+            if widest.is_none_or(|(_, w)| size > w) {
+                widest = Some((i, size));
             }
         }
         let Some((at, _)) = widest else { break };
         let opened = clusters[at];
-        let (left, right) = split(&mut items[opened.first..][..opened.len], opened, depth);
-        clusters[at] = left;
-        clusters.insert(at + 1, right);
+        let part = &mut items[opened.first..][..opened.len];
+        let parts = if opened.len > WIDTH { Some(split(part, opened, depth)) } else { split_leaf(part, opened) };
+        match parts {
+            Some((left, right)) => {
+                clusters[at] = left;
+                clusters.insert(at + 1, right);
+            }
+            None => clusters[at].open = false,
+        }
     }
     let mut rest = items;
     let mut parts = Vec::with_capacity(clusters.len());
@@ -140,13 +149,23 @@ fn split(items: &mut [Item], cluster: Cluster, depth: usize) -> (Cluster, Cluste
     (summary(left, cluster.first), summary(right, cluster.first + middle))
 }
 
+/// Splits a leaf where a lane is left for it, if its parts are much smaller.
+fn split_leaf(items: &mut [Item], cluster: Cluster) -> Option<(Cluster, Cluster)> {
+    let (grid, axis, bin) = Grid::new(cluster.centres).best_plane(items)?;
+    let middle = partition(items, |item| grid.bin(item, axis) < bin);
+    let (left, right) = items.split_at(middle);
+    let (left, right) = (summary(left, cluster.first), summary(right, cluster.first + middle));
+    let worthwhile = left.bounds.half_area() + right.bounds.half_area() < LEAF_SPLIT * cluster.bounds.half_area();
+    worthwhile.then_some((left, right))
+}
+
 fn summary(items: &[Item], first: usize) -> Cluster {
     let (mut bounds, mut centres) = (Aabb::EMPTY, Aabb::EMPTY);
     for item in items {
         bounds = bounds.union(item.bounds);
         centres = centres.include(item.centre());
     }
-    Cluster { first, len: items.len(), bounds, centres }
+    Cluster { first, len: items.len(), bounds, centres, open: true }
 }
 
 /// Moves the items that satisfy `left` to the front; returns how many they are.

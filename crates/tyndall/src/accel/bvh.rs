@@ -18,6 +18,8 @@ pub struct Bvh {
     /// Where each leaf starts in `order`, and its length at last.
     pub(super) starts: Vec<u32>,
     pub(super) bounds: Option<Aabb>,
+    /// The largest coordinate of the bounds, sign dropped.
+    pub(super) largest: f32,
 }
 
 /// Eight boxes (rows: smallest x, y, z, largest x, y, z) and what is in them. Unused lanes hold empty boxes.
@@ -102,14 +104,14 @@ impl Bvh {
     /// Visits the leaves whose boxes meet the ray within `[0, t_max]`, nearer boxes first, until the visitor stops.
     ///
     /// The direction need not be a unit vector. No box that the ray touches is missed, be it flat, or the ray parallel
-    /// to its faces or inside of one: boxes are widened by a few units in the last place of the largest coordinate
-    /// difference between the ray's start and the hierarchy.
+    /// to its faces or inside of one: boxes are widened by a few units in the last place of the largest coordinate of
+    /// the ray's start and of the hierarchy.
     #[inline(always)]
     pub fn nearest<L: Lanes>(&self, ray: &Ray, t_max: f32, visit: &mut impl Visit) {
         if self.nodes.is_empty() {
             return;
         }
-        let slab = Slab::<L>::new(ray, self.bounds());
+        let slab = Slab::<L>::new(ray, self.largest);
         let mut t_max = t_max.min(f32::MAX);
         let mut stack = Stack::<u64>::new();
         let mut current = 0;
@@ -158,7 +160,7 @@ impl Bvh {
         if self.nodes.is_empty() {
             return;
         }
-        let slab = Slab::<L>::new(ray, self.bounds());
+        let slab = Slab::<L>::new(ray, self.largest);
         self.any(
             t_max.min(f32::MAX),
             |node, t_max| slab.meet(node, t_max).1,
@@ -222,21 +224,21 @@ struct Slab<L: Lanes> {
 
 impl<L: Lanes> Slab<L> {
     #[inline(always)]
-    fn new(ray: &Ray, bounds: Aabb) -> Self {
-        // Eight half-units in the last place of the largest number met. The slab distances below have an error of three
-        // (relative, so no more than three of the way), and triangle tests have a few of the distance.
-        let reach = (bounds.max - ray.origin).abs().max((bounds.min - ray.origin).abs()).max_element();
-        let slack = (reach + ray.origin.abs().max_element()) * (8.0 * 0.5 * f32::EPSILON);
-        let backward = ray.direction.to_array().map(|d| d.is_sign_negative());
-        let origin = ray.origin.to_array();
-        let moved = |by: f32| -> [f32; 3] { std::array::from_fn(|i| origin[i] + if backward[i] { -by } else { by }) };
-        let (early, late, inverse) = (moved(slack), moved(-slack), ray.direction.recip().to_array());
+    fn new(ray: &Ray, largest: f32) -> Self {
+        // Eight half-units in the last place of the largest number met, coordinate differences included. The slab
+        // distances below have an error of three (relative, so no more than three of the way), and triangle tests have
+        // a few of the distance.
+        let start = ray.origin.abs().max_element();
+        let slack = (2.0 * start + largest) * (8.0 * 0.5 * f32::EPSILON);
+        let by = Vec3::splat(slack).copysign(ray.direction);
+        let backward = |d: f32| 3 * (d.to_bits() >> 31) as usize;
+        let (x, y, z) = (backward(ray.direction.x), backward(ray.direction.y), backward(ray.direction.z));
         Self {
-            enter: std::array::from_fn(|i| if backward[i] { i + 3 } else { i }),
-            exit: std::array::from_fn(|i| if backward[i] { i } else { i + 3 }),
-            enter_origin: splat(early),
-            exit_origin: splat(late),
-            inverse: splat(inverse),
+            enter: [x, 1 + y, 2 + z],
+            exit: [3 - x, 4 - y, 5 - z],
+            enter_origin: splat((ray.origin + by).to_array()),
+            exit_origin: splat((ray.origin - by).to_array()),
+            inverse: splat(ray.direction.recip().to_array()),
         }
     }
 

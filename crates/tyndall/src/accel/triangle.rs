@@ -109,27 +109,36 @@ impl TrianglePacket {
         if inside.bits() == 0 {
             return t_max;
         }
-        let sum = u.add(v).add(w);
+        // The distance is depth / sum; with the sign of the sum in the depth it need not be divided to be compared.
         let scale = L::splat(ray.scale);
-        let t = u.mul(az).add(v.mul(bz)).add(w.mul(cz)).mul(scale).div(sum);
-        // Bound of the error of t: a few units in the last place, of z and of the weights u, v, w.
+        let sum = u.add(v).add(w);
+        let magnitude = sum.abs();
+        let depth = u.mul(az).add(v.mul(bz)).add(w.mul(cz)).mul(scale);
+        let depth = zero.sub(depth).select(sum.lt(zero), depth);
+        // Rounded up, so that this drops nothing near t_max; it drops triangles without area, whose sum is zero.
+        let near = inside.and(depth.lt(magnitude.mul(L::splat(t_max * (1.0 + 4.0 * f32::EPSILON)))));
+        if near.bits() == 0 {
+            return t_max;
+        }
+        // Bound of the error of the depth: a few units in the last place, of z and of the weights u, v, w.
         let size = ax.abs().max(bx.abs()).max(cx.abs()).max(ay.abs().max(by.abs()).max(cy.abs()));
         let reach = az.abs().max(bz.abs()).max(cz.abs()).mul(scale.abs());
-        let magnitude = sum.abs();
         let ulps = L::splat(8.0 * f32::EPSILON);
-        let error = reach.mul(ulps).mul(L::splat(1.0).add(size.mul(size).div(magnitude)));
-        let ahead = zero.sub(error).le(t).and(t.lt(L::splat(t_max))).and(zero.lt(magnitude));
-        let mut hits = inside.and(ahead).bits();
+        let error = reach.mul(ulps).mul(magnitude.add(size.mul(size)));
+        let mut hits = near.and(zero.sub(error).le(depth)).bits();
         if hits == 0 {
             return t_max;
         }
         let mut t_max = t_max;
-        let (t, error, v, w, sum) = (t.store().0, error.store().0, v.store().0, w.store().0, sum.store().0);
+        let (depth, error, v, w, sum) = (depth.store().0, error.store().0, v.store().0, w.store().0, sum.store().0);
         while hits != 0 {
             let lane = hits.trailing_zeros() as usize & 7;
             hits &= hits - 1;
             // Where rounding could turn "just behind" into "just ahead", double precision decides.
-            let t = if t[lane] > error[lane] { t[lane] } else { self.exact_distance(&ray.ray, lane) };
+            let t = match depth[lane] > error[lane] {
+                true => depth[lane] / sum[lane].abs(),
+                false => self.exact_distance(&ray.ray, lane),
+            };
             if t > 0.0 && t < t_max {
                 let barycentrics = Vec2::new(v[lane] / sum[lane], w[lane] / sum[lane]);
                 t_max = found(TriangleHit { t, lane, barycentrics }, t_max);

@@ -306,6 +306,10 @@ mod avx2 {
             Self(unsafe { _mm256_max_ps(self.0, b.0) })
         }
         #[inline(always)]
+        fn abs(self) -> Self {
+            Self(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
+        }
+        #[inline(always)]
         fn lt(self, b: Self) -> Avx2Mask {
             Avx2Mask(unsafe { _mm256_cmp_ps::<_CMP_LT_OQ>(self.0, b.0) })
         }

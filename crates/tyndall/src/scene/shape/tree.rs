@@ -19,12 +19,17 @@ pub(super) struct Tree {
     other_starts: Vec<u32>,
     /// First surface number of each shape, and the number of surfaces at last.
     firsts: Vec<u32>,
+    /// The shape of each of the first few surfaces: all, in small scenes.
+    table: Vec<u32>,
     /// Index of the first shape in the geometry's list.
     first_shape: u32,
 }
 
 /// Marks surfaces that shadow rays may pass.
 const TRANSPARENT: u32 = 1 << 31;
+
+/// How many surfaces have their shape noted.
+const TABLE: usize = 1024;
 
 /// What a ray meets, before its surface number is looked up.
 #[derive(Clone, Copy, Debug)]
@@ -50,6 +55,8 @@ impl Tree {
             }
         }
         firsts.push(count as u32);
+        let shape_of = |surface| firsts.partition_point(|first| *first <= surface) as u32 - 1;
+        let table = (0..count.min(TABLE) as u32).map(shape_of).collect();
         let mut bounds = Vec::with_capacity(count);
         for shape in shapes {
             match &shape.form {
@@ -67,15 +74,20 @@ impl Tree {
             others: Vec::new(),
             other_starts: vec![0],
             firsts,
+            table,
             first_shape: range.start as u32,
             bvh: Bvh::default(),
         };
         for leaf in 0..bvh.leaf_count() {
-            for (lane, &surface) in bvh.order()[bvh.leaf(leaf as u32)].iter().enumerate() {
+            let mut lane = 0;
+            for &surface in &bvh.order()[bvh.leaf(leaf as u32)] {
                 let (shape, triangle) = tree.locate(surface);
                 let id = if transparent[shape as usize] { surface | TRANSPARENT } else { surface };
                 match &geometry.shapes[shape as usize].form {
-                    Form::Mesh(mesh) => tree.packets[leaf].set(lane, mesh.corners(triangle as usize), id),
+                    Form::Mesh(mesh) => {
+                        tree.packets[leaf].set(lane, mesh.corners(triangle as usize), id);
+                        lane += 1;
+                    }
                     _ => tree.others.push(id),
                 }
             }
@@ -94,15 +106,18 @@ impl Tree {
     }
 
     pub(super) fn memory_bytes(&self) -> usize {
-        let numbers = self.others.len() + self.other_starts.len() + self.firsts.len();
+        let numbers = self.others.len() + self.other_starts.len() + self.firsts.len() + self.table.len();
         self.bvh.memory_bytes() + size_of_val(&*self.packets) + numbers * size_of::<u32>()
     }
 
     /// The shape and the triangle of a surface number.
     fn locate(&self, surface: u32) -> (u32, u32) {
         let surface = surface & !TRANSPARENT;
-        let shape = self.firsts.partition_point(|first| *first <= surface) - 1;
-        (self.first_shape + shape as u32, surface - self.firsts[shape])
+        let shape = match self.table.get(surface as usize) {
+            Some(shape) => *shape,
+            None => self.firsts.partition_point(|first| *first <= surface) as u32 - 1,
+        };
+        (self.first_shape + shape, surface - self.firsts[shape as usize])
     }
 
     #[inline(always)]
@@ -236,11 +251,14 @@ impl<W: Want> Visit for SearchVisit<'_, '_, W> {
     fn leaf<L: Lanes>(&mut self, leaf: u32, t_max: f32) -> f32 {
         let Search { tree, seen, instance, .. } = &mut *self.search;
         let packet = &tree.packets[leaf as usize];
-        let mut t_max = packet.meet::<L>(&self.triangle_ray, t_max, |hit, t_max| {
-            let id = packet.ids[hit.lane & 7];
-            let meeting = Meeting { t: hit.t, surface: id, barycentrics: hit.barycentrics, instance: *instance };
-            W::found(meeting, id & TRANSPARENT != 0, t_max, seen)
-        });
+        let mut t_max = t_max;
+        if packet.ids[0] != u32::MAX {
+            t_max = packet.meet::<L>(&self.triangle_ray, t_max, |hit, t_max| {
+                let id = packet.ids[hit.lane & 7];
+                let meeting = Meeting { t: hit.t, surface: id, barycentrics: hit.barycentrics, instance: *instance };
+                W::found(meeting, id & TRANSPARENT != 0, t_max, seen)
+            });
+        }
         for &other in tree.leaf_others(leaf) {
             t_max = self.search.other(other, t_max);
         }
