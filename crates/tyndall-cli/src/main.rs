@@ -1,2 +1,30 @@
 //! The program `tyndall`.
-fn main() {}
+
+mod args;
+mod check;
+mod checkpoint;
+mod choice;
+mod console;
+mod failure;
+mod image;
+mod integrators;
+mod interrupt;
+mod load;
+mod output;
+mod progress;
+mod render;
+
+use args::{Cli, Command};
+use clap::Parser;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let done = |()| ExitCode::SUCCESS;
+    let result = match Cli::parse().command {
+        Command::Render(args) => render::run(&args),
+        Command::Check(args) => check::run(&args).map(done),
+        Command::Integrators(args) => integrators::run(&args).map(done),
+        Command::Image(args) => image::run(&args).map(done),
+    };
+    result.unwrap_or_else(failure::Failure::report)
+}

@@ -1,1 +1,8 @@
 //! Acceleration structures over anything with bounds.
+
+mod build;
+pub mod bvh;
+pub mod triangle;
+
+pub use bvh::{Bvh, Visit};
+pub use triangle::{TrianglePacket, TriangleRay};

@@ -6,6 +6,8 @@ pub mod lanes;
 pub mod measure;
 pub mod random;
 pub mod ray;
+pub mod sampler;
+pub mod sobol;
 pub mod transform;
 pub mod warp;
 
@@ -15,4 +17,5 @@ pub use glam::{Vec2, Vec3};
 pub use measure::{PerArea, PerLength, PerSolidAngle, PerVolume};
 pub use random::Rng;
 pub use ray::Ray;
+pub use sampler::Sampler;
 pub use transform::{Affine, Transform};

@@ -555,6 +555,13 @@ pub struct EmitterDesc {
     pub medium: Option<MediumId>,
 }
 
+impl EmitterDesc {
+    /// An emitter in its own frame, with weight 1.
+    pub fn new(name: impl Into<String>, kind: EmitterKind) -> Self {
+        Self { name: name.into(), kind, to_world: Transform::IDENTITY, sampling_weight: 1.0, medium: None }
+    }
+}
+
 /// Kinds of emitters that are not shapes.
 #[derive(Clone, Debug)]
 pub enum EmitterKind {

@@ -1,0 +1,75 @@
+//! Mistakes: each is found before rendering, says what is wrong, and ends with 2 on the command line, 1 elsewhere.
+
+use crate::{Folder, SCENE};
+
+#[test]
+fn the_command_line() {
+    let folder = Folder::with_scene();
+    for (words, code, expected) in [
+        ("render ball.xml -i volpth", 2, "there is no integrator `volpth`; did you mean `volpath`?"),
+        ("render ball.xml --set max_dept=3", 2, "did you mean `max_depth`?"),
+        ("render ball.xml --set max_depth=x", 2, "a whole number, found `x`"),
+        ("render ball.xml --set rr_depth=0", 2, "must be a whole number from 1, found `0`"),
+        ("render ball.xml --set max_depth", 2, "expected NAME=VALUE"),
+        ("render ball.xml --size 12", 2, "such as 640x480"),
+        ("render ball.xml --size 0x4", 2, "such as 640x480"),
+        ("render ball.xml --crop 10,0,11,4", 2, "leaves the film of 20x14 pixels"),
+        ("render ball.xml --time soon", 2, "such as 30s"),
+        ("render ball.xml --spp 0", 2, "a whole number from 1"),
+        ("render ball.xml --spp 4 --time 3s", 2, "cannot be used with"),
+        ("render ball.xml --error 0", 2, "above 0"),
+        ("render ball.xml --threads 0", 2, "a whole number from 1"),
+        ("render ball.xml --seed x", 2, "a whole number from 0"),
+        ("render ball.xml --sed 3", 2, "--seed"),
+        ("render ball.xml --tonemap filmik", 2, "did you mean `filmic`?"),
+        ("render ball.xml --half -o a.png", 2, "--half is for .exr"),
+        ("render ball.xml --variance -o a.pfm", 2, "--variance is for .exr"),
+        ("render ball.xml -o a.exe", 2, "did you mean `exr`?"),
+        ("render ball.xml -o picture", 2, "no ending"),
+        ("render ball.xml -o missing/a.exr", 1, "there is no folder missing"),
+        ("render none.xml", 1, "none.xml"),
+        ("render", 2, "SCENE"),
+        ("rendr ball.xml", 2, "render"),
+        ("integrators pth", 2, "did you mean `path`?"),
+        ("image diff a.exr b.exr --metric ssim", 2, "there is no metric `ssim`"),
+        ("image info none.exr", 1, "none.exr"),
+    ] {
+        let err = folder.fail(words, code);
+        assert!(err.contains(expected), "{words}\n{err}");
+    }
+    assert_eq!(folder.files(), ["ball.xml"]);
+}
+
+#[test]
+fn a_broken_scene_shows_the_place() {
+    let folder = Folder::with_scene();
+    let broken = SCENE.replace("name=\"max_depth\" value=\"6\"", "name=\"max_depth\" value=\"six\"");
+    std::fs::write(folder.path("broken.xml"), broken).unwrap();
+    for command in ["render", "check"] {
+        let err = folder.fail(&format!("{command} broken.xml"), 1);
+        assert!(err.starts_with("error: broken.xml:3:"), "{err}");
+        assert!(err.contains("<integer name=\"max_depth\" value=\"six\"/>") && err.contains("^^^"), "{err}");
+    }
+    std::fs::write(folder.path("cut.xml"), &SCENE[..SCENE.len() / 2]).unwrap();
+    assert!(folder.fail("check cut.xml", 1).contains("cut.xml:"));
+}
+
+#[test]
+fn an_unknown_integrator_of_the_scene() {
+    let folder = Folder::with_scene();
+    std::fs::write(folder.path("mlt.xml"), SCENE.replace("type=\"volpath\"", "type=\"pssmlt\"")).unwrap();
+    assert!(folder.fail("render mlt.xml", 1).contains("pssmlt"));
+    // Another one can be chosen.
+    folder.succeed("render mlt.xml -i volpath --spp 1 -q");
+}
+
+#[test]
+fn errors_of_writing_come_before_rendering() {
+    let folder = Folder::with_scene();
+    std::fs::create_dir(folder.path("a.exr")).unwrap();
+    let err = folder.fail("render ball.xml --spp 1000000000 -o a.exr", 1);
+    assert!(err.contains("a.exr is a folder"), "{err}");
+    std::fs::create_dir(folder.path("b.png")).unwrap();
+    let err = folder.fail("render ball.xml --spp 1000000000 -o b.exr", 1);
+    assert!(err.contains("b.png is a folder"), "{err}");
+}

@@ -1,0 +1,3 @@
+//! Grids of samples.
+
+pub mod vol;

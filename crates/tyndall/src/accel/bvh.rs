@@ -1,0 +1,346 @@
+//! The bounding volume hierarchy: eight boxes a node, up to eight items a leaf.
+//!
+//! [`Bvh::build`] sees boxes only. It answers with an order of the items and with leaves, each a range of at most eight
+//! consecutive items in that order: a user keeps one structure-of-arrays packet a leaf, indexed by the leaf's number.
+
+use super::build;
+use crate::math::lanes::{Lanes, Mask, Row, WIDTH};
+use crate::math::{Aabb, Ray, Vec3};
+use std::mem::MaybeUninit;
+use std::ops::Range;
+
+/// A bounding volume hierarchy.
+#[derive(Debug, Default)]
+pub struct Bvh {
+    pub(super) nodes: Vec<Node>,
+    /// Item numbers, leaf by leaf.
+    pub(super) order: Vec<u32>,
+    /// Where each leaf starts in `order`, and its length at last.
+    pub(super) starts: Vec<u32>,
+    pub(super) bounds: Option<Aabb>,
+}
+
+/// Eight boxes (rows: smallest x, y, z, largest x, y, z) and what is in them. Unused lanes hold empty boxes.
+#[derive(Debug)]
+#[repr(C, align(64))]
+pub(super) struct Node {
+    pub(super) planes: [Row; 6],
+    /// A node, or a leaf when [`LEAF`] is set.
+    pub(super) children: [u32; WIDTH],
+}
+
+pub(super) const LEAF: u32 = 1 << 31;
+
+/// Nodes deeper than this halve their number of packets with each level, ...
+pub(super) const FREE_DEPTH: usize = 32;
+/// ... and 2^31 items make 2^28 packets, so that no path is longer than this.
+const MAX_DEPTH: usize = FREE_DEPTH + 28;
+/// Each level leaves at most seven children waiting; the last one may put down eight.
+const STACK: usize = 7 * MAX_DEPTH + WIDTH;
+
+/// What happens at a leaf.
+///
+/// Closures are visitors too. For the fastest code implement the trait with an `#[inline(always)]` method and do the
+/// work in lanes.
+pub trait Visit {
+    /// Visits the leaf of that number; returns the distance beyond which nothing is wanted any more: `t_max` itself, a
+    /// smaller one, or [`Bvh::STOP`].
+    fn leaf<L: Lanes>(&mut self, leaf: u32, t_max: f32) -> f32;
+}
+
+impl<F: FnMut(u32, f32) -> f32> Visit for F {
+    #[inline(always)]
+    fn leaf<L: Lanes>(&mut self, leaf: u32, t_max: f32) -> f32 {
+        self(leaf, t_max)
+    }
+}
+
+impl Bvh {
+    /// The answer of a visitor that has seen enough.
+    pub const STOP: f32 = f32::NEG_INFINITY;
+
+    /// Builds the hierarchy by binned surface-area heuristic (Wald 2007), with the cost of items counted in packets of
+    /// eight. Empty boxes are left out. The result does not depend on the number of threads.
+    ///
+    /// # Panics
+    /// With 2^31 boxes or more.
+    pub fn build(bounds: &[Aabb]) -> Self {
+        build::build(bounds)
+    }
+
+    /// The items (indices into the boxes given to [`Bvh::build`]), leaf by leaf.
+    pub fn order(&self) -> &[u32] {
+        &self.order
+    }
+
+    /// How many leaves there are.
+    pub fn leaf_count(&self) -> usize {
+        self.starts.len().saturating_sub(1)
+    }
+
+    /// Where the leaf's items are in [`Bvh::order`]: one to eight of them.
+    #[inline(always)]
+    pub fn leaf(&self, leaf: u32) -> Range<usize> {
+        self.starts[leaf as usize] as usize..self.starts[leaf as usize + 1] as usize
+    }
+
+    /// The box around everything.
+    pub fn bounds(&self) -> Aabb {
+        self.bounds.unwrap_or(Aabb::EMPTY)
+    }
+
+    /// Memory held, bytes.
+    pub fn memory_bytes(&self) -> usize {
+        size_of_val(&*self.nodes) + size_of_val(&*self.order) + size_of_val(&*self.starts)
+    }
+
+    /// Gives up the item order, once the user has arranged the items by it.
+    pub fn forget_order(&mut self) {
+        self.order = Vec::new();
+    }
+
+    /// Visits the leaves whose boxes meet the ray within `[0, t_max]`, nearer boxes first, until the visitor stops.
+    ///
+    /// The direction need not be a unit vector. No box that the ray touches is missed, be it flat, or the ray parallel
+    /// to its faces or inside of one: boxes are widened by a few units in the last place of the largest coordinate
+    /// difference between the ray's start and the hierarchy.
+    #[inline(always)]
+    pub fn nearest<L: Lanes>(&self, ray: &Ray, t_max: f32, visit: &mut impl Visit) {
+        if self.nodes.is_empty() {
+            return;
+        }
+        let slab = Slab::<L>::new(ray, self.bounds());
+        let mut t_max = t_max.min(f32::MAX);
+        let mut stack = Stack::<u64>::new();
+        let mut current = 0;
+        loop {
+            if current & LEAF != 0 {
+                t_max = visit.leaf::<L>(current & !LEAF, t_max);
+            } else {
+                let node = &self.nodes[current as usize];
+                let (near, mut hits) = slab.meet(node, t_max);
+                if hits != 0 {
+                    let lane = hits.trailing_zeros() as usize;
+                    hits &= hits - 1;
+                    if hits == 0 {
+                        current = node.children[lane & 7];
+                        continue;
+                    }
+                    let near = near.store().0;
+                    // Distances are not negative: their bits sort as they do.
+                    let key = |lane: usize| (near[lane & 7].to_bits() as u64) << 32 | node.children[lane & 7] as u64;
+                    let mut nearest = key(lane);
+                    let base = stack.len;
+                    while hits != 0 {
+                        let next = key(hits.trailing_zeros() as usize);
+                        hits &= hits - 1;
+                        let farther = nearest.max(next);
+                        nearest = nearest.min(next);
+                        stack.push_sorted(base, farther);
+                    }
+                    current = nearest as u32;
+                    continue;
+                }
+            }
+            current = loop {
+                let Some(key) = stack.pop() else { return };
+                if f32::from_bits((key >> 32) as u32) <= t_max {
+                    break key as u32;
+                }
+            };
+        }
+    }
+
+    /// Visits the leaves whose boxes meet the ray within `[0, t_max]`, in no particular order, until the visitor stops.
+    /// A smaller answer than `t_max` shortens the rest of the search. Otherwise as [`Bvh::nearest`].
+    #[inline(always)]
+    pub fn along<L: Lanes>(&self, ray: &Ray, t_max: f32, visit: &mut impl Visit) {
+        if self.nodes.is_empty() {
+            return;
+        }
+        let slab = Slab::<L>::new(ray, self.bounds());
+        self.any(
+            t_max.min(f32::MAX),
+            |node, t_max| slab.meet(node, t_max).1,
+            |leaf, t_max| visit.leaf::<L>(leaf, t_max),
+        );
+    }
+
+    /// Visits the leaves whose boxes overlap the closed box `region` (a point is a box without extent), in no
+    /// particular order, until the visitor answers [`Bvh::STOP`]. The visitor's `t_max` is infinite.
+    #[inline(always)]
+    pub fn overlapping<L: Lanes>(&self, region: Aabb, visit: &mut impl Visit) {
+        if self.nodes.is_empty() {
+            return;
+        }
+        let low = splat::<L>(region.min.to_array());
+        let high = splat::<L>(region.max.to_array());
+        self.any(f32::INFINITY, |node, _| node.overlap(&low, &high), |leaf, t_max| visit.leaf::<L>(leaf, t_max));
+    }
+
+    /// Depth-first over the children that `meet` lets in, until `leaf` answers with a negative distance.
+    #[inline(always)]
+    fn any(&self, mut t_max: f32, meet: impl Fn(&Node, f32) -> u32, mut leaf: impl FnMut(u32, f32) -> f32) {
+        let mut stack = Stack::<u32>::new();
+        stack.push(0);
+        while let Some(current) = stack.pop() {
+            if current & LEAF != 0 {
+                t_max = leaf(current & !LEAF, t_max);
+                if t_max < 0.0 {
+                    return;
+                }
+                continue;
+            }
+            let node = &self.nodes[current as usize];
+            let mut hits = meet(node, t_max);
+            while hits != 0 {
+                stack.push(node.children[hits.trailing_zeros() as usize & 7]);
+                hits &= hits - 1;
+            }
+        }
+    }
+}
+
+/// Three numbers, each in all lanes. (Closures over lanes may fail to be inlined, and then are slow: none is used.)
+#[inline(always)]
+fn splat<L: Lanes>([x, y, z]: [f32; 3]) -> [L; 3] {
+    [L::splat(x), L::splat(y), L::splat(z)]
+}
+
+/// A ray made ready for slab tests (Kay and Kajiya 1986).
+struct Slab<L: Lanes> {
+    /// Row of the plane through which the ray enters, by axis.
+    enter: [usize; 3],
+    /// Row of the plane through which the ray leaves, by axis.
+    exit: [usize; 3],
+    /// The origin, moved so that entries are early, ...
+    enter_origin: [L; 3],
+    /// ... and exits late.
+    exit_origin: [L; 3],
+    inverse: [L; 3],
+}
+
+impl<L: Lanes> Slab<L> {
+    #[inline(always)]
+    fn new(ray: &Ray, bounds: Aabb) -> Self {
+        // Eight half-units in the last place of the largest number met. The slab distances below have an error of three
+        // (relative, so no more than three of the way), and triangle tests have a few of the distance.
+        let reach = (bounds.max - ray.origin).abs().max((bounds.min - ray.origin).abs()).max_element();
+        let slack = (reach + ray.origin.abs().max_element()) * (8.0 * 0.5 * f32::EPSILON);
+        let backward = ray.direction.to_array().map(|d| d.is_sign_negative());
+        let origin = ray.origin.to_array();
+        let moved = |by: f32| -> [f32; 3] { std::array::from_fn(|i| origin[i] + if backward[i] { -by } else { by }) };
+        let (early, late, inverse) = (moved(slack), moved(-slack), ray.direction.recip().to_array());
+        Self {
+            enter: std::array::from_fn(|i| if backward[i] { i + 3 } else { i }),
+            exit: std::array::from_fn(|i| if backward[i] { i } else { i + 3 }),
+            enter_origin: splat(early),
+            exit_origin: splat(late),
+            inverse: splat(inverse),
+        }
+    }
+
+    /// Where the ray passes the planes through which it enters.
+    #[inline(always)]
+    fn entry(&self, node: &Node, axis: usize) -> L {
+        // SAFETY: `enter` holds numbers from 0 to 5.
+        let row = unsafe { node.planes.get_unchecked(self.enter[axis]) };
+        L::load(row).sub(self.enter_origin[axis]).mul(self.inverse[axis])
+    }
+
+    /// Where the ray passes the planes through which it leaves.
+    #[inline(always)]
+    fn leaving(&self, node: &Node, axis: usize) -> L {
+        // SAFETY: `exit` holds numbers from 0 to 5.
+        let row = unsafe { node.planes.get_unchecked(self.exit[axis]) };
+        L::load(row).sub(self.exit_origin[axis]).mul(self.inverse[axis])
+    }
+
+    /// Where the ray enters the boxes, and which of them it meets within `[0, t_max]`.
+    #[inline(always)]
+    fn meet(&self, node: &Node, t_max: f32) -> (L, u32) {
+        // A ray in the plane of a face gives 0 * infinity; standing on the left that NaN is dropped, and the slab
+        // counts as met.
+        let (x, y, z) = (self.entry(node, 0), self.entry(node, 1), self.entry(node, 2));
+        let t0 = x.max(y.max(z.max(L::splat(0.0))));
+        let (x, y, z) = (self.leaving(node, 0), self.leaving(node, 1), self.leaving(node, 2));
+        let t1 = x.min(y.min(z.min(L::splat(t_max))));
+        (t0, t0.le(t1).bits())
+    }
+}
+
+/// A stack of fixed size without initialisation.
+struct Stack<T> {
+    len: usize,
+    items: [MaybeUninit<T>; STACK],
+}
+
+impl<T: Copy + Ord> Stack<T> {
+    #[inline(always)]
+    fn new() -> Self {
+        Self { len: 0, items: [const { MaybeUninit::uninit() }; STACK] }
+    }
+
+    #[inline(always)]
+    fn push(&mut self, item: T) {
+        self.items[self.len].write(item);
+        self.len += 1;
+    }
+
+    /// Pushes below the smaller ones among the items from `base` on.
+    #[inline(always)]
+    fn push_sorted(&mut self, base: usize, item: T) {
+        let mut at = self.len;
+        while at > base {
+            // SAFETY: items below `len` are initialised.
+            let below = unsafe { self.items[at - 1].assume_init() };
+            if below >= item {
+                break;
+            }
+            self.items[at].write(below);
+            at -= 1;
+        }
+        self.items[at].write(item);
+        self.len += 1;
+    }
+
+    #[inline(always)]
+    fn pop(&mut self) -> Option<T> {
+        self.len = self.len.checked_sub(1)?;
+        // SAFETY: items below the former `len` are initialised.
+        Some(unsafe { self.items[self.len].assume_init() })
+    }
+}
+
+impl Node {
+    /// Which boxes overlap the one between `low` and `high`.
+    #[inline(always)]
+    fn overlap<L: Lanes>(&self, low: &[L; 3], high: &[L; 3]) -> u32 {
+        let mut overlap = low[0].le(L::load(&self.planes[3])).and(L::load(&self.planes[0]).le(high[0]));
+        for axis in 1..3 {
+            let [from, to] = [axis, axis + 3].map(|i| &self.planes[i]);
+            overlap = overlap.and(low[axis].le(L::load(to))).and(L::load(from).le(high[axis]));
+        }
+        overlap.bits()
+    }
+
+    /// A node without children.
+    pub(super) fn empty() -> Self {
+        let (low, high) = (Row([f32::INFINITY; WIDTH]), Row([f32::NEG_INFINITY; WIDTH]));
+        Self { planes: [low, low, low, high, high, high], children: [LEAF; WIDTH] }
+    }
+
+    /// Fills a lane.
+    pub(super) fn set(&mut self, lane: usize, bounds: Aabb, child: u32) {
+        let Vec3 { x, y, z } = bounds.min;
+        let high = bounds.max;
+        for (row, plane) in self.planes.iter_mut().zip([x, y, z, high.x, high.y, high.z]) {
+            row.0[lane] = plane;
+        }
+        self.children[lane] = child;
+    }
+}
+
+#[cfg(test)]
+#[path = "bvh_tests.rs"]
+mod tests;

@@ -1,0 +1,4 @@
+//! Bringing light and camera together.
+
+pub mod equiangular;
+pub mod transport;

@@ -1,0 +1,54 @@
+//! The physics of scattering at a vertex, written once.
+
+use crate::Spectrum;
+use crate::math::{PerSolidAngle, Vec3};
+use crate::scene::Scene;
+use crate::scene::bsdf::Transport;
+use crate::scene::desc::MediumId;
+use crate::walk::{Scattering, Vertex};
+
+/// What a vertex does with light that leaves it along a given direction.
+#[derive(Clone, Copy, Debug)]
+pub struct Response {
+    /// Phase function (1/sr), or BSDF times cosine (1/sr). The coefficient `sigma_s` belongs to the flight.
+    pub value: Spectrum,
+    /// Density with which the walk would choose the direction.
+    pub pdf: PerSolidAngle,
+}
+
+/// The response of `vertex` to the camera's walk going on along the unit vector `direction`.
+#[inline]
+pub fn respond(scene: &Scene, vertex: &Vertex, direction: Vec3) -> Response {
+    match &vertex.scattering {
+        Scattering::Medium { medium } => {
+            let value = scene.medium(*medium).phase().eval(vertex.position, vertex.direction, direction);
+            Response { value: Spectrum::grey(value), pdf: PerSolidAngle(value) }
+        }
+        Scattering::Surface { point, .. } => {
+            let (wo, wi) = (point.shading.to_local(-vertex.direction), point.shading.to_local(direction));
+            let context = scene.surface_context(point);
+            let (value, pdf) = scene.bsdfs.eval(scene.bsdf_of(point.shape), &context, wo, wi, Transport::Radiance);
+            Response { value, pdf }
+        }
+    }
+}
+
+/// Where a ray that leaves `vertex` along `direction` starts, and in which medium.
+#[inline]
+pub fn departure(scene: &Scene, vertex: &Vertex, direction: Vec3) -> (Vec3, Option<MediumId>) {
+    match &vertex.scattering {
+        Scattering::Medium { medium } => (vertex.position, Some(*medium)),
+        Scattering::Surface { point, medium } => {
+            (point.leave(direction), scene.medium_towards(point, direction, *medium))
+        }
+    }
+}
+
+/// Whether emitters can be connected to `vertex`.
+#[inline]
+pub fn samples_emitters(scene: &Scene, vertex: &Vertex) -> bool {
+    match &vertex.scattering {
+        Scattering::Medium { medium } => scene.medium(*medium).sample_emitters(),
+        Scattering::Surface { point, .. } => scene.is_smooth(point.shape),
+    }
+}

@@ -1,0 +1,6 @@
+//! The picture: reconstruction filters.
+
+pub mod filter;
+pub mod pixels;
+
+pub use filter::FilterSampler;

@@ -1,0 +1,172 @@
+//! Parameters of integrators: declared once, checked and documented from the declaration.
+
+use crate::scene::desc::{IntegratorDesc, ParameterValue};
+
+/// The kind of a parameter's value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ParameterKind {
+    /// A whole number.
+    Integer,
+    /// A number.
+    Float,
+    /// true or false.
+    Boolean,
+    /// A word.
+    Text,
+}
+
+impl std::fmt::Display for ParameterKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Integer => "a whole number",
+            Self::Float => "a number",
+            Self::Boolean => "true or false",
+            Self::Text => "a word",
+        })
+    }
+}
+
+/// The declaration of a parameter.
+#[derive(Clone, Copy, Debug)]
+pub struct ParameterInfo {
+    /// Name in scene files and on the command line.
+    pub name: &'static str,
+    /// Kind of the value.
+    pub kind: ParameterKind,
+    /// Default, as text.
+    pub default: &'static str,
+    /// Unit, or an empty text.
+    pub unit: &'static str,
+    /// What it does, one sentence.
+    pub description: &'static str,
+}
+
+/// What is wrong with an integrator's name or parameters.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ParameterError {
+    /// There is no such integrator.
+    #[error("there is no integrator `{name}`; known are {known}")]
+    UnknownIntegrator {
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        known: String,
+    },
+    /// The integrator has no such parameter.
+    #[error("`{integrator}` has no parameter `{name}`; it has {known}")]
+    UnknownParameter {
+        /// The integrator.
+        integrator: &'static str,
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        known: String,
+    },
+    /// The value is of the wrong kind.
+    #[error("parameter `{name}` of `{integrator}` is {expected}, found `{found}`")]
+    WrongKind {
+        /// The integrator.
+        integrator: &'static str,
+        /// The parameter.
+        name: &'static str,
+        /// The kind that it takes.
+        expected: ParameterKind,
+        /// What was given.
+        found: String,
+    },
+    /// The value is out of range.
+    #[error("parameter `{name}` of `{integrator}` must be {expected}, found `{found}`")]
+    OutOfRange {
+        /// The integrator.
+        integrator: &'static str,
+        /// The parameter.
+        name: &'static str,
+        /// The range.
+        expected: &'static str,
+        /// What was given.
+        found: String,
+    },
+}
+
+/// The parameters given for one integrator, checked against their declarations.
+#[derive(Debug)]
+pub struct Parameters<'a> {
+    integrator: &'static str,
+    declared: &'static [ParameterInfo],
+    given: &'a [(String, ParameterValue)],
+}
+
+impl<'a> Parameters<'a> {
+    /// Checks the names and kinds of everything given.
+    pub fn new(
+        integrator: &'static str,
+        declared: &'static [ParameterInfo],
+        desc: &'a IntegratorDesc,
+    ) -> Result<Self, ParameterError> {
+        for (name, value) in &desc.parameters {
+            let Some(info) = declared.iter().find(|info| info.name == name) else {
+                let known = declared.iter().map(|info| info.name).collect::<Vec<_>>().join(", ");
+                return Err(ParameterError::UnknownParameter { integrator, name: name.clone(), known });
+            };
+            if convert(value, info.kind).is_none() {
+                let (expected, found) = (info.kind, text(value));
+                return Err(ParameterError::WrongKind { integrator, name: info.name, expected, found });
+            }
+        }
+        Ok(Self { integrator, declared, given: &desc.parameters })
+    }
+
+    /// The last value given, or the default.
+    fn value(&self, name: &'static str) -> ParameterValue {
+        let info = self.declared.iter().find(|info| info.name == name).expect("only declared parameters are read");
+        let given = self.given.iter().rev().find(|(given, _)| given == name).map(|(_, value)| value.clone());
+        convert(&given.unwrap_or_else(|| ParameterValue::Text(info.default.into())), info.kind)
+            .expect("kinds were checked, defaults parse")
+    }
+
+    /// A whole number.
+    pub fn integer(&self, name: &'static str) -> i64 {
+        match self.value(name) {
+            ParameterValue::Integer(value) => value,
+            other => unreachable!("`{name}` is not a whole number: {other:?}"),
+        }
+    }
+
+    /// Yes or no.
+    pub fn boolean(&self, name: &'static str) -> bool {
+        match self.value(name) {
+            ParameterValue::Boolean(value) => value,
+            other => unreachable!("`{name}` is not a boolean: {other:?}"),
+        }
+    }
+
+    /// The error that the value of `name` is out of range.
+    pub fn out_of_range(&self, name: &'static str, expected: &'static str) -> ParameterError {
+        ParameterError::OutOfRange { integrator: self.integrator, name, expected, found: text(&self.value(name)) }
+    }
+}
+
+/// The value as `kind`; texts, which come from the command line, are parsed.
+fn convert(value: &ParameterValue, kind: ParameterKind) -> Option<ParameterValue> {
+    use ParameterValue as V;
+    Some(match (kind, value) {
+        (ParameterKind::Integer, V::Integer(i)) => V::Integer(*i),
+        (ParameterKind::Integer, V::Text(t)) => V::Integer(t.trim().parse().ok()?),
+        (ParameterKind::Float, V::Integer(i)) => V::Float(*i as f64),
+        (ParameterKind::Float, V::Float(f)) => V::Float(*f),
+        (ParameterKind::Float, V::Text(t)) => V::Float(t.trim().parse().ok().filter(|f: &f64| f.is_finite())?),
+        (ParameterKind::Boolean, V::Boolean(b)) => V::Boolean(*b),
+        (ParameterKind::Boolean, V::Text(t)) => V::Boolean(t.trim().to_ascii_lowercase().parse().ok()?),
+        (ParameterKind::Text, V::Text(t)) => V::Text(t.clone()),
+        _ => return None,
+    })
+}
+
+fn text(value: &ParameterValue) -> String {
+    match value {
+        ParameterValue::Integer(i) => i.to_string(),
+        ParameterValue::Float(f) => f.to_string(),
+        ParameterValue::Boolean(b) => b.to_string(),
+        ParameterValue::Text(t) => t.clone(),
+    }
+}

@@ -1,0 +1,378 @@
+//! `volpath`: volumetric path tracing.
+//!
+//! One random walk from the camera; at every vertex an emitter is sampled, and on segments through homogeneous media a
+//! point near the emitter as well. Three techniques find single scattering, weighted by the balance heuristic over
+//! their joint densities of distance and direction:
+//!
+//! - free flight, then an emitter: `p_flight(t) p_light(w)`;
+//! - free flight, then the phase function hits the emitter: `p_flight(t) p_phase(w) P`, `P` the probability of arriving;
+//! - a point on an emitter, then the distance by equiangular sampling: `p_equiangular(t | y) p_segment(y)`.
+
+use super::parameters::{ParameterError, Parameters};
+use super::{Integrator, IntegratorInfo, Job, ParameterInfo, RareEvents, path};
+use crate::Spectrum;
+use crate::estimators::equiangular::Equiangular;
+use crate::estimators::transport::{Response, departure, respond, samples_emitters};
+use crate::film::pixels::PixelSum;
+use crate::math::{PerLength, PerSolidAngle, Ray, Sampler, Vec2, Vec3};
+use crate::scene::Scene;
+use crate::scene::desc::MediumId;
+use crate::scene::emitter::{EmitterId, EmitterSample};
+use crate::scene::medium::Extinction;
+use crate::walk::flight::Uniform;
+use crate::walk::{Escape, Rules, Scattering, Segment, Sink, Start, SurfaceHit, Vertex, passage, walk};
+
+/// Parameters that path tracers share.
+pub mod common {
+    use super::super::{ParameterInfo, ParameterKind};
+
+    /// Longest paths.
+    pub const MAX_DEPTH: ParameterInfo = ParameterInfo {
+        name: "max_depth",
+        kind: ParameterKind::Integer,
+        default: "-1",
+        unit: "",
+        description: "Longest paths: 1 is emission seen directly, each real scattering adds one; -1 is no limit.",
+    };
+    /// Start of Russian roulette.
+    pub const RR_DEPTH: ParameterInfo = ParameterInfo {
+        name: "rr_depth",
+        kind: ParameterKind::Integer,
+        default: "5",
+        unit: "",
+        description: "Russian roulette starts beyond this depth.",
+    };
+    /// Invisible emitters.
+    pub const HIDE_EMITTERS: ParameterInfo = ParameterInfo {
+        name: "hide_emitters",
+        kind: ParameterKind::Boolean,
+        default: "false",
+        unit: "",
+        description: "Emitters seen directly are black.",
+    };
+}
+
+/// The registry's entry.
+pub const INFO: IntegratorInfo = IntegratorInfo {
+    name: "volpath",
+    aliases: &["volpathmis"],
+    summary: "Volumetric path tracing with emitter, phase-function, BSDF and equiangular sampling.",
+    source: "Kajiya and von Herzen 1984; Lafortune and Willems 1996; Kulla and Fajardo 2012; Miller et al. 2019",
+    parameters: &[
+        common::MAX_DEPTH,
+        common::RR_DEPTH,
+        common::HIDE_EMITTERS,
+        ParameterInfo {
+            name: "equiangular_legs",
+            kind: super::ParameterKind::Integer,
+            default: "2",
+            unit: "",
+            description: "Number of first legs of a path on which equiangular sampling is used; -1 is all, 0 is none.",
+        },
+        ParameterInfo {
+            name: "use_spectral_mis",
+            kind: super::ParameterKind::Boolean,
+            default: "true",
+            unit: "",
+            description: "Accepted from scene files; chromatic media are always sampled with spectral MIS.",
+        },
+    ],
+    make: |parameters| Ok(Box::new(Volpath::new(Options::read(parameters, true)?))),
+};
+
+/// Choices of the path tracer.
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    rules: Rules,
+    hide_emitters: bool,
+    equiangular_legs: u32,
+}
+
+/// A count with -1 for "no limit".
+fn count(parameters: &Parameters, name: &'static str) -> Result<u32, ParameterError> {
+    match parameters.integer(name) {
+        -1 => Ok(u32::MAX - 2),
+        n => u32::try_from(n)
+            .ok()
+            .filter(|n| *n < u32::MAX - 2)
+            .ok_or_else(|| parameters.out_of_range(name, "-1 (no limit) or a whole number from 0")),
+    }
+}
+
+impl Options {
+    /// From the parameters of a registry entry.
+    pub(super) fn read(parameters: &Parameters, media: bool) -> Result<Self, ParameterError> {
+        let rr_depth = u32::try_from(parameters.integer("rr_depth")).ok().filter(|d| *d > 0);
+        let rr_depth = rr_depth.ok_or_else(|| parameters.out_of_range("rr_depth", "a whole number from 1"))?;
+        Ok(Self {
+            rules: Rules { max_depth: count(parameters, "max_depth")?, rr_depth, media },
+            hide_emitters: parameters.boolean("hide_emitters"),
+            equiangular_legs: if media { count(parameters, "equiangular_legs")? } else { 0 },
+        })
+    }
+
+    /// Direct light of surfaces.
+    pub(super) fn direct(parameters: &Parameters) -> Self {
+        Self {
+            rules: Rules { max_depth: 2, rr_depth: 5, media: false },
+            hide_emitters: parameters.boolean("hide_emitters"),
+            equiangular_legs: 0,
+        }
+    }
+}
+
+/// The integrator.
+pub struct Volpath {
+    options: Options,
+}
+
+impl Volpath {
+    /// A path tracer with these choices.
+    pub(super) fn new(options: Options) -> Self {
+        Self { options }
+    }
+}
+
+impl Integrator for Volpath {
+    fn warnings(&self, scene: &Scene) -> Vec<String> {
+        if !self.options.rules.media { path::warnings(scene) } else { scene.hidden_caustics().into_iter().collect() }
+    }
+
+    fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum]) -> RareEvents {
+        let mut rare = RareEvents::default();
+        let (crop_x, crop_y) = scene.crop_origin();
+        let width = u64::from(scene.film.width);
+        for (i, sum) in pixels.iter_mut().enumerate() {
+            let x = crop_x + job.tile.x + i as u32 % job.tile.width;
+            let y = crop_y + job.tile.y + i as u32 / job.tile.width;
+            for pass in job.passes.clone() {
+                // Keyed by the pixel of the whole film: a crop shows the same samples.
+                let mut sampler = Sampler::new(job.seed, u64::from(y) * width + u64::from(x), pass);
+                let (offset, weight) = scene.filter.sample(sampler.vec2());
+                let position = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + offset;
+                let radiance = weight * self.radiance(scene, position, &mut sampler);
+                if radiance.is_finite() {
+                    sum.add(radiance);
+                } else {
+                    rare.non_finite += 1;
+                    sum.add(Spectrum::ZERO);
+                }
+            }
+        }
+        rare
+    }
+}
+
+impl Volpath {
+    /// Radiance arriving at the film position (pixels of the whole film), one sample.
+    #[inline]
+    fn radiance(&self, scene: &Scene, film: Vec2, sampler: &mut Sampler) -> Spectrum {
+        let camera = scene.sensor.sample_ray(film, sampler.vec2());
+        let mut tracer = Tracer {
+            scene,
+            options: &self.options,
+            radiance: Spectrum::ZERO,
+            last: Last { position: camera.ray.origin, pdf: None, survival: 1.0, sampled: None },
+            flight: None,
+        };
+        let start =
+            Start { ray: camera.ray, length: camera.t_max, medium: scene.camera_medium, throughput: Spectrum::ONE };
+        walk(scene, start, &self.options.rules, sampler, &mut tracer);
+        tracer.radiance
+    }
+}
+
+/// The segment on which the latest collision was sampled, for the density of equiangular sampling.
+#[derive(Clone, Copy)]
+struct SampledFlight {
+    ray: Ray,
+    length: f32,
+    distance: f32,
+    density: PerLength,
+}
+
+/// What the weights of multiple importance sampling need to know of the last vertex.
+#[derive(Clone, Copy)]
+struct Last {
+    position: Vec3,
+    /// Density of the direction; `None` where no emitter was sampled as well: the camera, or a delta distribution.
+    pdf: Option<PerSolidAngle>,
+    /// Probability of having come so far since, as in `Passage::survival`.
+    survival: f32,
+    /// The flight that led to it, if the last vertex is one that equiangular sampling could have chosen.
+    sampled: Option<SampledFlight>,
+}
+
+/// The sink that turns a walk into radiance.
+struct Tracer<'a> {
+    scene: &'a Scene,
+    options: &'a Options,
+    radiance: Spectrum,
+    last: Last,
+    /// The flight that led to the current vertex, if equiangular sampling was tried on it.
+    flight: Option<SampledFlight>,
+}
+
+impl Tracer<'_> {
+    /// Whether emission seen after `scatterings` events counts.
+    #[inline(always)]
+    fn counts(&self, scatterings: u32) -> bool {
+        scatterings < self.options.rules.max_depth && !(self.options.hide_emitters && scatterings == 0)
+    }
+
+    /// Density with which equiangular sampling finds both the flight's end and the emitter's point `target` seen from
+    /// there, relative to the density of the flight.
+    #[inline(always)]
+    fn equiangular_ratio(&self, flight: &SampledFlight, emitter: EmitterId, target: Vec3, normal: Vec3) -> f32 {
+        let SampledFlight { ray, length, distance, density } = flight;
+        let light = self.scene.lights.segment_pdf(ray, *length, ray.at(*distance), emitter, target, normal);
+        light.0 * Equiangular::new(ray, *length, target).density(*distance).0 / density.0
+    }
+
+    /// Weight of light that the walk found by itself.
+    #[inline(always)]
+    fn hit_weight(&self, light: PerSolidAngle, equiangular: f32) -> f32 {
+        match self.last.pdf {
+            None => 1.0,
+            Some(pdf) => {
+                let walked = pdf.0 * self.last.survival;
+                walked / (walked + light.0 + equiangular)
+            }
+        }
+    }
+
+    /// Light from the sampled emitter through `response`, without weight: `None` when nothing arrives.
+    #[inline(always)]
+    fn connect(
+        &self,
+        origin: Vec3,
+        light: &EmitterSample,
+        medium: Option<MediumId>,
+        sampler: &mut Sampler,
+    ) -> Option<(Spectrum, f32)> {
+        let ray = Ray { origin, direction: light.direction };
+        let length = light.distance * (1.0 - 1e-4);
+        let passage = passage(self.scene, ray, length, medium, self.options.rules.media, sampler.rng())?;
+        Some((light.radiance * passage.transmittance / light.pdf.0, passage.survival))
+    }
+}
+
+impl Sink for Tracer<'_> {
+    #[inline]
+    fn segment(&mut self, segment: &Segment, sampler: &mut Sampler) {
+        self.last.survival *= segment.flight.survival;
+        self.flight = None;
+        let medium = self.scene.medium(segment.medium);
+        let Extinction::Homogeneous(model) = medium.kind() else { return };
+        if segment.leg >= self.options.equiangular_legs || !medium.sample_emitters() || !self.scene.lights.any_finite()
+        {
+            return;
+        }
+        let ray = segment.ray;
+        let uniform = Uniform::along(model, medium.phase(), ray);
+        // A segment that leaves the scene is cut where the medium has become opaque.
+        let length = segment.length.min(uniform.opaque_distance());
+        if let Some(density) = segment.flight.density {
+            self.flight = Some(SampledFlight { ray: *ray, length, distance: segment.flight.distance, density });
+        }
+        if segment.scatterings + 2 > self.options.rules.max_depth {
+            return;
+        }
+        let (choice, u) = (sampler.f32(), sampler.f32());
+        let Some(point) = self.scene.lights.sample_for_segment(ray, length, choice, sampler.vec2()) else { return };
+        let equiangular = Equiangular::new(ray, length, point.position);
+        let t = equiangular.sample(u);
+        let position = ray.at(t);
+        let Some(light) = self.scene.lights.incident(position, &point) else { return };
+        let (flown, transmittance) = uniform.collision(segment.throughput, t);
+        let phase = PerSolidAngle(medium.phase().eval(position, ray.direction, light.direction));
+        let scattered = segment.throughput * transmittance * uniform.sigma_t * model.albedo(position) * phase.0;
+        if scattered.is_black() {
+            return;
+        }
+        let Some((arriving, survival)) = self.connect(position, &light, Some(segment.medium), sampler) else { return };
+        // Densities per length and solid angle at `position`.
+        let chosen = light.pdf.0 * equiangular.density(t).0;
+        let by_emitter = flown.0 * self.scene.lights.pdf_light_point(position, &point).0;
+        let by_phase = if light.delta { 0.0 } else { flown.0 * phase.0 * survival };
+        let weight = chosen / (chosen + by_emitter + by_phase);
+        self.radiance += scattered * arriving * (weight / equiangular.density(t).0);
+    }
+
+    #[inline]
+    fn surface(&mut self, hit: &SurfaceHit) {
+        if !self.counts(hit.scatterings) || !self.scene.is_emitter(hit.point.shape) {
+            return;
+        }
+        let emitted = self.scene.lights.radiance_surface(hit.point, hit.direction);
+        if emitted.is_black() {
+            return;
+        }
+        let weight = match self.last.pdf {
+            None => 1.0,
+            Some(_) => {
+                let lights = &self.scene.lights;
+                let light = lights.pdf_hit(self.last.position, hit.point);
+                let equiangular = match (&self.last.sampled, lights.of_shape(hit.point.shape)) {
+                    (Some(flight), Some(emitter)) => {
+                        self.equiangular_ratio(flight, emitter, hit.point.position, hit.point.normal)
+                    }
+                    _ => 0.0,
+                };
+                self.hit_weight(light, equiangular)
+            }
+        };
+        self.radiance += hit.throughput * emitted * weight;
+    }
+
+    #[inline]
+    fn escape(&mut self, escape: &Escape) {
+        if !self.counts(escape.scatterings) {
+            return;
+        }
+        let emitted = self.scene.lights.radiance_escape(escape.direction);
+        if emitted.is_black() {
+            return;
+        }
+        let weight = match self.last.pdf {
+            None => 1.0,
+            Some(_) => self.hit_weight(self.scene.lights.pdf_escape(escape.direction), 0.0),
+        };
+        self.radiance += escape.throughput * emitted * weight;
+    }
+
+    #[inline]
+    fn vertex(&mut self, vertex: &Vertex, sampler: &mut Sampler) {
+        if !samples_emitters(self.scene, vertex) {
+            return;
+        }
+        let Some(light) = self.scene.lights.sample(vertex.position, sampler.f32(), sampler.vec2()) else { return };
+        let Response { value, pdf } = respond(self.scene, vertex, light.direction);
+        if value.is_black() {
+            return;
+        }
+        let (origin, medium) = departure(self.scene, vertex, light.direction);
+        let Some((arriving, survival)) = self.connect(origin, &light, medium, sampler) else { return };
+        let walked = if light.delta { 0.0 } else { pdf.0 * survival };
+        let equiangular = match (&vertex.scattering, &self.flight) {
+            (Scattering::Medium { .. }, Some(flight)) if self.scene.lights.is_finite(light.emitter) => {
+                self.equiangular_ratio(flight, light.emitter, light.position, light.normal)
+            }
+            _ => 0.0,
+        };
+        let weight = light.pdf.0 / (light.pdf.0 + walked + equiangular);
+        self.radiance += vertex.throughput * value * arriving * weight;
+    }
+
+    #[inline]
+    fn scattered(&mut self, vertex: &Vertex, _direction: Vec3, pdf: Option<PerSolidAngle>) {
+        let medium = matches!(vertex.scattering, Scattering::Medium { .. });
+        self.last = Last {
+            position: vertex.position,
+            pdf: pdf.filter(|_| samples_emitters(self.scene, vertex)),
+            survival: 1.0,
+            sampled: self.flight.filter(|_| medium),
+        };
+        self.flight = None;
+    }
+}

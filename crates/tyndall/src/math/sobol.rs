@@ -1,0 +1,137 @@
+//! Four dimensions of the Sobol' sequence with hash-based Owen scrambling (Burley 2020, "Practical Hash-based Owen
+//! Scrambling"; the permutation is that of Laine and Karras 2011 with the constants of Vegdahl 2021).
+
+use super::random::{hash32, unit_f32};
+
+/// Dimensions of one batch.
+pub const BATCH: usize = 4;
+
+/// Bit-reversed direction numbers by byte of the index: `TABLE[d][k][b]` is the contribution of byte `k` having the
+/// value `b` to dimension `d + 1`. Dimension 0 is the bit-reversed index, so its reversed digits are the index itself.
+static TABLE: [[[u32; 256]; 4]; BATCH - 1] = tables();
+
+/// Direction numbers of one dimension from the degree, the inner coefficients of the primitive polynomial and the
+/// initial odd numbers (Joe and Kuo 2008).
+const fn directions(degree: usize, coefficients: u32, initial: [u32; 3]) -> [u32; 32] {
+    let mut v = [0u32; 32];
+    let mut i = 0;
+    while i < 32 {
+        if i < degree {
+            v[i] = initial[i] << (31 - i);
+        } else {
+            v[i] = v[i - degree] ^ (v[i - degree] >> degree);
+            let mut k = 1;
+            while k < degree {
+                if coefficients >> (degree - 1 - k) & 1 == 1 {
+                    v[i] ^= v[i - k];
+                }
+                k += 1;
+            }
+        }
+        i += 1;
+    }
+    v
+}
+
+const fn tables() -> [[[u32; 256]; 4]; BATCH - 1] {
+    let dimensions = [directions(1, 0, [1, 0, 0]), directions(2, 1, [1, 3, 0]), directions(3, 1, [1, 3, 1])];
+    let mut table = [[[0u32; 256]; 4]; BATCH - 1];
+    let mut d = 0;
+    while d < BATCH - 1 {
+        let mut byte = 0;
+        while byte < 4 {
+            let mut value = 0;
+            while value < 256 {
+                let mut bit = 0;
+                while bit < 8 {
+                    if value >> bit & 1 == 1 {
+                        table[d][byte][value] ^= dimensions[d][byte * 8 + bit].reverse_bits();
+                    }
+                    bit += 1;
+                }
+                value += 1;
+            }
+            byte += 1;
+        }
+        d += 1;
+    }
+    table
+}
+
+/// A random permutation in which each bit depends on the lower bits only: Owen scrambling of reversed digits.
+#[inline(always)]
+fn permute(mut x: u32, seed: u32) -> u32 {
+    x ^= x.wrapping_mul(0x3d20_adea);
+    x = x.wrapping_add(seed);
+    x = x.wrapping_mul((seed >> 16) | 1);
+    x ^= x.wrapping_mul(0x0552_6c56);
+    x ^ x.wrapping_mul(0x53a2_2864)
+}
+
+/// Point `index` of the sequence that belongs to `key`: four coordinates in [0, 1).
+///
+/// Different keys give independently scrambled and shuffled sequences.
+#[inline]
+pub fn point(index: u32, key: u32) -> [f32; BATCH] {
+    let index = permute(index.reverse_bits(), hash32(key)).reverse_bits();
+    let bytes = index.to_le_bytes();
+    std::array::from_fn(|d| {
+        let reversed = match d {
+            0 => index,
+            d => {
+                let table = &TABLE[d - 1];
+                (0..4).fold(0, |x, k| x ^ table[k][bytes[k] as usize])
+            }
+        };
+        unit_f32(permute(reversed, hash32(key.wrapping_add((d as u32 + 1).wrapping_mul(0x9e37_79b9)))).reverse_bits())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn first_points_are_those_of_joe_and_kuo() {
+        let raw = |index: u32, d: usize| {
+            let reversed = (0..4).fold(0, |x, k| x ^ TABLE[d - 1][k][index.to_le_bytes()[k] as usize]);
+            reversed.reverse_bits() as f64 / 2f64.powi(32)
+        };
+        // Points 1 to 7 of dimension 2, in natural (not Gray code) order.
+        let expected = [0.5, 0.75, 0.25, 0.625, 0.125, 0.375, 0.875];
+        assert_eq!(std::array::from_fn(|i| raw(i as u32 + 1, 1)), expected);
+        // Every dimension is a permutation of k/2^m on each prefix of 2^m points.
+        for d in 1..BATCH {
+            for m in 0..10 {
+                let mut seen: Vec<u32> = (0..1u32 << m).map(|i| (raw(i, d) * f64::from(1u32 << m)) as u32).collect();
+                seen.sort_unstable();
+                assert!(seen.iter().enumerate().all(|(i, &s)| i as u32 == s), "dimension {d}, 2^{m} points");
+            }
+        }
+    }
+
+    /// Each pair of dimensions (0,1) puts one point in every elementary interval, for every key and prefix.
+    #[test]
+    fn scrambled_prefixes_stay_stratified() {
+        for key in 0..50 {
+            let points: Vec<_> = (0..256).map(|i| point(i, key)).collect();
+            for shift in 0..=8 {
+                let (nx, ny) = (1usize << shift, 1usize << (8 - shift));
+                let mut cells = vec![0; 256];
+                for p in &points {
+                    cells[(p[0] * nx as f32) as usize + nx * (p[1] * ny as f32) as usize] += 1;
+                }
+                assert!(cells.iter().all(|&c| c == 1), "key {key}, {nx} x {ny} intervals");
+            }
+        }
+    }
+
+    #[test]
+    fn keys_are_uncorrelated() {
+        let n = 4096;
+        let mean =
+            (0..n).map(|key| f64::from(point(3, key)[0]) * f64::from(point(3, key + n)[0])).sum::<f64>() / f64::from(n);
+        // The product of independent uniform numbers has mean 1/4 and standard deviation 0.22.
+        assert!((mean - 0.25).abs() < 3.0 * 0.22 / f64::from(n).sqrt(), "{mean}");
+    }
+}

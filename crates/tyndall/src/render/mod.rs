@@ -1,0 +1,171 @@
+//! Passes over tiles: drives an integrator until a budget is spent.
+
+pub mod budget;
+pub mod checkpoint;
+pub mod picture;
+
+pub use budget::{Budget, Progress};
+pub use checkpoint::CheckpointError;
+pub use picture::Picture;
+
+use crate::film::pixels::Pixels;
+use crate::integrators::{self, Integrator, Job, ParameterError, RareEvents};
+use crate::scene::Scene;
+use crate::scene::desc::IntegratorDesc;
+use rayon::prelude::*;
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+/// How to render.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// The algorithm; the scene's own when `None`.
+    pub integrator: Option<IntegratorDesc>,
+    /// The seed; the scene's own when `None`.
+    pub seed: Option<u64>,
+    /// Number of threads; as many as the machine has when `None`.
+    pub threads: Option<usize>,
+}
+
+/// The settings of a scene file.
+impl Default for Settings {
+    fn default() -> Self {
+        Self { integrator: None, seed: None, threads: None }
+    }
+}
+
+/// Why a rendering cannot begin.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// The integrator's name or parameters.
+    #[error(transparent)]
+    Parameters(#[from] ParameterError),
+    /// The thread pool.
+    #[error("could not start {threads} threads: {reason}")]
+    Threads {
+        /// How many were asked for.
+        threads: usize,
+        /// What the system said.
+        reason: String,
+    },
+}
+
+/// A picture in the making: passes can be added at any time, and the result never depends on how they were grouped or
+/// on the number of threads.
+pub struct Rendering<'s> {
+    scene: &'s Scene,
+    integrator: Box<dyn Integrator>,
+    desc: IntegratorDesc,
+    seed: u64,
+    pool: rayon::ThreadPool,
+    pixels: Pixels,
+    passes: u32,
+    busy: Duration,
+    rare: RareEvents,
+}
+
+impl<'s> Rendering<'s> {
+    /// A black picture of `scene`.
+    pub fn new(scene: &'s Scene, settings: &Settings) -> Result<Self, RenderError> {
+        let desc = settings.integrator.clone().unwrap_or_else(|| scene.integrator.clone());
+        let integrator = integrators::make(&desc)?;
+        let threads = settings.threads.unwrap_or(0);
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .map_err(|error| RenderError::Threads { threads, reason: error.to_string() })?;
+        let (width, height) = scene.picture_size();
+        Ok(Self {
+            scene,
+            integrator,
+            desc,
+            seed: settings.seed.unwrap_or(scene.sampler.seed),
+            pool,
+            pixels: Pixels::new(width, height),
+            passes: 0,
+            busy: Duration::ZERO,
+            rare: RareEvents::default(),
+        })
+    }
+
+    /// What a user should know before rendering.
+    pub fn warnings(&self) -> Vec<String> {
+        self.integrator.warnings(self.scene)
+    }
+
+    /// The integrator and its parameters as given.
+    pub fn integrator(&self) -> &IntegratorDesc {
+        &self.desc
+    }
+
+    /// The seed in use.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// Number of threads.
+    pub fn threads(&self) -> usize {
+        self.pool.current_num_threads()
+    }
+
+    /// Passes done: samples per pixel.
+    pub fn passes(&self) -> u32 {
+        self.passes
+    }
+
+    /// Time spent rendering, without pauses.
+    pub fn seconds(&self) -> f64 {
+        self.busy.as_secs_f64()
+    }
+
+    /// Counts of rare events so far.
+    pub fn rare_events(&self) -> RareEvents {
+        self.rare
+    }
+
+    /// Renders `count` more passes.
+    pub fn add_passes(&mut self, count: u32) {
+        let started = Instant::now();
+        let passes = self.passes..self.passes + count;
+        let (scene, integrator, seed) = (self.scene, &self.integrator, self.seed);
+        let tiles = self.pixels.tiles_mut();
+        let events: Vec<RareEvents> = self.pool.install(|| {
+            tiles
+                .into_par_iter()
+                .with_max_len(1)
+                .map(|(tile, sums)| integrator.render(scene, &Job { seed, passes: passes.clone(), tile }, sums))
+                .collect()
+        });
+        self.rare.non_finite += events.iter().map(|e| e.non_finite).sum::<u64>();
+        self.passes += count;
+        self.busy += started.elapsed();
+    }
+
+    /// Renders until `budget` is spent or `observe` breaks off. `observe` is called after every group of passes, at
+    /// most a few times a second; it may read the picture so far.
+    pub fn run(&mut self, budget: Budget, mut observe: impl FnMut(&Self, Progress) -> ControlFlow<()>) {
+        let mut group = budget::Group::new();
+        while let Some(count) = group.next(&budget, self) {
+            self.add_passes(count);
+            if observe(self, budget.progress(self)).is_break() {
+                break;
+            }
+        }
+    }
+
+    /// The picture so far; black before the first pass.
+    pub fn picture(&self) -> Picture {
+        Picture::new(&self.pixels, self.passes)
+    }
+
+    /// Everything needed to go on later, see [`Rendering::resume`].
+    pub fn checkpoint(&self, fingerprint: u64) -> Vec<u8> {
+        checkpoint::write(self, fingerprint)
+    }
+
+    /// Continues from a checkpoint of the same scene and settings, which `fingerprint` stands for: the picture becomes
+    /// bit for bit the one of a rendering that was never interrupted.
+    pub fn resume(&mut self, bytes: &[u8], fingerprint: u64) -> Result<(), CheckpointError> {
+        checkpoint::read(self, bytes, fingerprint)
+    }
+}

@@ -1,0 +1,81 @@
+//! Samplers follow their densities.
+
+use super::*;
+use crate::math::Rng;
+use tyndall_testkit::chi2;
+
+/// The directions from which a model scatters.
+fn sides(probe: &Probe, name: &str) -> impl Iterator<Item = Vec3> {
+    let both = probe.traits().transmits && !["mask"].contains(&name) || ["twosided", "normalmap"].contains(&name);
+    directions().into_iter().filter(move |wo| both || wo.z > 0.0)
+}
+
+#[test]
+fn directions_follow_their_density() {
+    let tests = SMOOTH.len() * 4;
+    for (i, name) in SMOOTH.iter().enumerate() {
+        let probe = Probe::named(name);
+        for (j, wo) in sides(&probe, name).enumerate() {
+            let draw = |u1: f32, u2: [f32; 2]| {
+                let s = probe.sample(wo, Transport::Radiance, u1, u2.into())?;
+                (!s.event.delta).then(|| s.wi.to_array())
+            };
+            let density = |wi: [f32; 3]| f64::from(probe.eval(wo, wi.into(), Transport::Radiance).1);
+            let outcome = chi2::sphere(draw, density, 40_000, (i * 4 + j) as u64);
+            assert!(outcome.passes(0.01, tests), "{name} from {wo}: {outcome:?}");
+        }
+    }
+}
+
+#[test]
+fn weights_are_value_over_density() {
+    for name in SMOOTH {
+        let probe = Probe::named(name);
+        for wo in sides(&probe, name) {
+            for transport in [Transport::Radiance, Transport::Importance] {
+                let mut rng = Rng::keyed(7, 0, 0);
+                let mut smooth = 0;
+                for _ in 0..500 {
+                    let Some(s) = probe.sample(wo, transport, rng.f32(), rng.vec2()) else { continue };
+                    assert!((s.wi.length() - 1.0).abs() < 1e-3, "{name}: {}", s.wi);
+                    assert_eq!(s.event.transmission, s.wi.z * wo.z < 0.0, "{name}: {s:?}");
+                    if s.event.delta {
+                        continue;
+                    }
+                    smooth += 1;
+                    let (value, pdf) = probe.eval(wo, s.wi, transport);
+                    let near = |a: f32, b: f32| (a - b).abs() <= 2e-3 * b.abs() + 1e-6;
+                    assert!(near(s.pdf.0, pdf), "{name} {wo}: {s:?} but density {pdf}");
+                    let carried = s.weight * s.pdf.0;
+                    for channel in 0..3 {
+                        assert!(near(carried[channel], value[channel]), "{name} {wo}: {s:?} but value {value:?}");
+                    }
+                }
+                assert!(smooth > 0, "{name} {wo}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_seen_side_and_the_lobe_choice_leave_no_gap() {
+    // The mean weight must be the integral of the value plus the specular part, by an independent quadrature.
+    for name in ["roughdielectric-beckmann", "principled-all", "blend", "plastic", "bump"] {
+        let probe = Probe::named(name);
+        let wo = directions()[0];
+        let n = 60_000;
+        let (mut sampled, mut uniform) = (0.0, 0.0);
+        let mut rng = Rng::keyed(11, 0, 0);
+        for _ in 0..n {
+            if let Some(s) = probe.sample(wo, Transport::Radiance, rng.f32(), rng.vec2())
+                && !s.event.delta
+            {
+                sampled += f64::from(s.weight[1]);
+            }
+            let wi = crate::math::warp::square_to_sphere(rng.vec2());
+            uniform += f64::from(probe.eval(wo, wi, Transport::Radiance).0[1]) * 4.0 * std::f64::consts::PI;
+        }
+        let (sampled, uniform) = (sampled / f64::from(n), uniform / f64::from(n));
+        assert!((sampled / uniform - 1.0).abs() < 0.03, "{name}: {sampled} sampled, {uniform} integrated");
+    }
+}

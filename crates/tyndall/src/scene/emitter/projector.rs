@@ -1,0 +1,71 @@
+//! A picture projected from a point.
+
+use super::bound::LightBound;
+use super::error::{EmitterProblem, conformal, number, texture};
+use crate::Spectrum;
+use crate::math::{Aabb, Affine, Transform, Vec2, Vec3};
+use crate::scene::desc::TextureDesc;
+use crate::scene::texture::{Texture, TexturePoint};
+use std::f32::consts::PI;
+
+/// A picture projected from a point along +z, upright and with its first column at +x.
+///
+/// A plane at right angles at distance 1 m receives the irradiance `pi * scale * texture`, so that a white diffuse
+/// screen there shows the picture itself (the meaning it has in Mitsuba 3).
+#[derive(Debug)]
+pub struct Projector {
+    /// Position, metres.
+    pub position: Vec3,
+    irradiance: Texture,
+    scale: f32,
+    /// Half the size of the picture at distance 1.
+    half_size: Vec2,
+    to_world: Affine,
+}
+
+impl Projector {
+    /// `fov_x` in degrees, `aspect` width divided by height.
+    pub fn new(
+        irradiance: &TextureDesc,
+        scale: f32,
+        fov_x: f32,
+        aspect: f32,
+        to_world: &Transform,
+    ) -> Result<Self, EmitterProblem> {
+        number("scale", scale, "at least 0", |s| s >= 0.0)?;
+        number("fov", fov_x, "in (0, 180)", |a| a > 0.0 && a < 180.0)?;
+        number("aspect", aspect, "above 0", |a| a > 0.0)?;
+        let to_world = conformal(to_world)?;
+        let half_width = (0.5 * fov_x.to_radians()).tan();
+        Ok(Self {
+            position: to_world.point(Vec3::ZERO),
+            irradiance: texture("irradiance", irradiance)?,
+            scale: PI * scale,
+            half_size: Vec2::new(half_width, half_width / aspect),
+            to_world,
+        })
+    }
+
+    /// Radiant intensity towards the unit vector `direction`, W/sr.
+    #[inline]
+    pub fn intensity(&self, direction: Vec3) -> Spectrum {
+        let d = self.to_world.inverse_vector(direction).normalize();
+        let at = Vec2::new(d.x, d.y) / (d.z * self.half_size);
+        if !(d.z > 0.0 && at.abs().max_element() <= 1.0) {
+            return Spectrum::ZERO;
+        }
+        let uv = 0.5 * (Vec2::ONE - at);
+        self.irradiance.eval(&TexturePoint::at_uv(uv)) * (self.scale / (d.z * d.z * d.z))
+    }
+
+    /// Where it is, how bright and whither.
+    pub fn bound(&self) -> LightBound {
+        LightBound {
+            bounds: Aabb { min: self.position, max: self.position },
+            intensity: self.irradiance.mean().mean() * self.scale,
+            axis: self.to_world.vector(Vec3::Z).normalize(),
+            theta_o: self.half_size.length().atan(),
+            theta_e: 0.0,
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! A table over the cosine, linear in between.
+
+use super::{PhaseError, deflect};
+use crate::math::{PerSolidAngle, Vec2, Vec3};
+use std::f64::consts::TAU;
+
+/// A phase function given at equidistant cosines from -1 to 1 and linear in between.
+#[derive(Clone, Debug)]
+pub struct Tabulated {
+    /// Normalised values, 1/sr.
+    values: Vec<f32>,
+    /// Probability that the cosine lies below each node; as long as `values`.
+    cumulative: Vec<f32>,
+    /// Intervals per unit of the cosine.
+    resolution: f32,
+}
+
+impl Tabulated {
+    /// The function through `values` (any scale).
+    pub fn new(values: &[f32]) -> Result<Self, PhaseError> {
+        if values.len() < 2 {
+            return Err(PhaseError::TableTooShort(values.len()));
+        }
+        if let Some((index, &value)) = values.iter().enumerate().find(|(_, v)| !(v.is_finite() && **v >= 0.0)) {
+            return Err(PhaseError::TableValue { index, value });
+        }
+        let width = 2.0 / (values.len() - 1) as f64;
+        let mut cumulative = vec![0.0];
+        for pair in values.windows(2) {
+            cumulative.push(cumulative[cumulative.len() - 1] + 0.5 * width * (f64::from(pair[0]) + f64::from(pair[1])));
+        }
+        let integral = cumulative[cumulative.len() - 1];
+        if integral == 0.0 {
+            return Err(PhaseError::TableEmpty);
+        }
+        Ok(Self {
+            values: values.iter().map(|&v| (f64::from(v) / (TAU * integral)) as f32).collect(),
+            cumulative: cumulative.iter().map(|&c| (c / integral) as f32).collect(),
+            resolution: (1.0 / width) as f32,
+        })
+    }
+
+    /// Value, 1/sr.
+    #[inline]
+    pub fn eval(&self, cos: f32) -> f32 {
+        let position = (cos + 1.0).max(0.0) * self.resolution;
+        let i = (position as usize).min(self.values.len() - 2);
+        let t = (position - i as f32).min(1.0);
+        self.values[i] + t * (self.values[i + 1] - self.values[i])
+    }
+
+    /// A direction with the density of the value.
+    #[inline]
+    pub fn sample(&self, d_in: Vec3, u: Vec2) -> (Vec3, PerSolidAngle) {
+        // The last node not above u: an interval without probability is never the last of its equals.
+        let i = self.cumulative.partition_point(|&c| c <= u.x).clamp(1, self.values.len() - 1) - 1;
+        let (a, b) = (self.values[i], self.values[i + 1]);
+        let share = (u.x - self.cumulative[i]) / (self.cumulative[i + 1] - self.cumulative[i]);
+        // Solve a t + (b - a) t^2 / 2 = share (a + b) / 2 in the form without cancellation.
+        let target = share * (a + b);
+        let root = (a * a + target * (b - a)).max(0.0).sqrt();
+        let t = if target > 0.0 { (target / (a + root)).min(1.0) } else { 0.0 };
+        let cos = ((i as f32 + t) / self.resolution - 1.0).clamp(-1.0, 1.0);
+        let sin = (1.0 - cos * cos).sqrt();
+        (deflect(d_in, cos, sin, u.y), PerSolidAngle(a + t * (b - a)))
+    }
+}

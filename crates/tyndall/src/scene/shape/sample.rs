@@ -1,0 +1,141 @@
+//! Points on shapes, for emitters.
+
+use super::quadric::Sphere;
+use super::{Form, Geometry, Hit, Mesh, SurfacePoint};
+use crate::math::random::{hash32, unit_f32};
+use crate::math::{PerArea, PerSolidAngle, Vec2, Vec3, warp};
+use glam::DVec3;
+use std::f64::consts::TAU;
+
+/// A direction towards a sphere.
+#[derive(Clone, Copy, Debug)]
+pub struct SphereSample {
+    /// The point where the direction meets the sphere.
+    pub point: SurfacePoint,
+    /// Unit direction.
+    pub direction: Vec3,
+    /// Distance to the point, metres.
+    pub distance: f32,
+    /// Density of the direction.
+    pub pdf: PerSolidAngle,
+}
+
+/// Running sums of triangle areas, m^2.
+pub(super) fn cumulative_areas(mesh: &Mesh) -> Vec<f64> {
+    let mut sum = 0.0;
+    (0..mesh.triangles.len())
+        .map(|i| {
+            sum += mesh.triangle_area(i);
+            sum
+        })
+        .collect()
+}
+
+impl Geometry {
+    /// Area of a shape, m^2. Zero for instances; members of groups are measured in their group's space.
+    pub fn area(&self, shape: u32) -> f32 {
+        self.shapes[shape as usize].area as f32
+    }
+
+    /// Density of [`Geometry::sample_area`]; zero for shapes without area.
+    pub fn area_pdf(&self, shape: u32) -> PerArea {
+        let area = self.shapes[shape as usize].area;
+        PerArea(if area > 0.0 { (1.0 / area) as f32 } else { 0.0 })
+    }
+
+    /// A point uniform over the area of a shape of the scene, with its density. `None` for instances, for meshes whose
+    /// description has no emission, and for those without area.
+    pub fn sample_area(&self, shape: u32, u: Vec2) -> Option<(SurfacePoint, PerArea)> {
+        let mut triangle = 0;
+        let point = match self.form(shape) {
+            Form::Mesh(mesh) => {
+                let cumulative = &self.shapes[shape as usize].cumulative;
+                let total = cumulative.last().copied().filter(|area| *area > 0.0)?;
+                // 24 random bits are used up by the choice among many triangles: hash some more below them.
+                let more = unit_f32(hash32(u.x.to_bits() ^ hash32(u.y.to_bits())));
+                let x = (u.x as f64 + more as f64 / 16_777_216.0) * total;
+                let index = cumulative.partition_point(|sum| *sum <= x).min(cumulative.len() - 1);
+                let below = if index == 0 { 0.0 } else { cumulative[index - 1] };
+                let rest = ((x - below) / (cumulative[index] - below)).clamp(0.0, 1.0);
+                triangle = index as u32;
+                let b = warp::square_to_triangle(Vec2::new(rest as f32, u.y));
+                mesh.point(triangle, b.as_dvec2())
+            }
+            Form::Sphere(sphere) => sphere.point(sphere.axes_times(warp::square_to_sphere(u))).into(),
+            Form::Disk(disk) => disk.point(warp::square_to_disk(u).as_dvec2()).into(),
+            Form::Cylinder(cylinder) => {
+                let (sin, cos) = (TAU * u.x as f64).sin_cos();
+                cylinder.point(cos, sin, u.y as f64 * cylinder.length).into()
+            }
+            Form::Instance(_) => return None,
+        };
+        let hit = Hit { t: 0.0, shape, triangle, barycentrics: point.barycentrics, instance: None };
+        Some((self.place(&hit, point, None), self.area_pdf(shape)))
+    }
+
+    /// A direction uniform over the solid angle of a sphere seen from `from`. `None` for other shapes and when `from` is
+    /// not outside the sphere.
+    pub fn sample_sphere_solid_angle(&self, shape: u32, from: Vec3, u: Vec2) -> Option<SphereSample> {
+        let Form::Sphere(sphere) = self.form(shape) else { return None };
+        let cone = Cone::new(sphere, from)?;
+        // Uniform in the cosine; 1 - cos rather than cos, which would be 1 for small spheres.
+        let fall = u.x as f64 * cone.fall;
+        let sin2 = (fall * (2.0 - fall)).max(0.0);
+        let cos = 1.0 - fall;
+        let frame = crate::math::Frame::from_normal(cone.axis.as_vec3());
+        let (sin_phi, cos_phi) = (TAU * u.y as f64).sin_cos();
+        let across = cos_phi * frame.s.as_dvec3() + sin_phi * frame.t.as_dvec3();
+        let across = (across - across.dot(cone.axis) * cone.axis).normalize();
+        let direction = cos * cone.axis + sin2.sqrt() * across;
+        // The near end of the chord.
+        let half_chord = (sphere.radius * sphere.radius - cone.distance * cone.distance * sin2).max(0.0).sqrt();
+        let distance = cone.distance * cos - half_chord;
+        let point = sphere.point(from.as_dvec3() + distance * direction - sphere.center);
+        let hit = Hit { t: distance as f32, shape, triangle: 0, barycentrics: Vec2::ZERO, instance: None };
+        Some(SphereSample {
+            point: self.place(&hit, point.into(), None),
+            direction: direction.as_vec3(),
+            distance: distance as f32,
+            pdf: cone.pdf(),
+        })
+    }
+
+    /// Density of [`Geometry::sample_sphere_solid_angle`] for every direction that meets the sphere; `None` where there
+    /// is none.
+    pub fn sphere_solid_angle_pdf(&self, shape: u32, from: Vec3) -> Option<PerSolidAngle> {
+        let Form::Sphere(sphere) = self.form(shape) else { return None };
+        Some(Cone::new(sphere, from)?.pdf())
+    }
+}
+
+/// The cone of directions from a point to a sphere.
+struct Cone {
+    axis: DVec3,
+    /// To the centre, metres.
+    distance: f64,
+    /// One minus the cosine of the half angle.
+    fall: f64,
+}
+
+impl Cone {
+    fn new(sphere: &Sphere, from: Vec3) -> Option<Self> {
+        let offset = sphere.center - from.as_dvec3();
+        let distance = offset.length();
+        if !(distance > sphere.radius) {
+            return None;
+        }
+        let sin2 = (sphere.radius / distance) * (sphere.radius / distance);
+        Some(Self { axis: offset / distance, distance, fall: sin2 / (1.0 + (1.0 - sin2).sqrt()) })
+    }
+
+    fn pdf(&self) -> PerSolidAngle {
+        PerSolidAngle((1.0 / (TAU * self.fall)) as f32)
+    }
+}
+
+impl Sphere {
+    fn axes_times(&self, v: Vec3) -> DVec3 {
+        let DVec3 { x, y, z } = v.as_dvec3();
+        x * self.axes[0] + y * self.axes[1] + z * self.axes[2]
+    }
+}

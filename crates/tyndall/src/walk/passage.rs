@@ -1,0 +1,58 @@
+//! The passage of light between two points.
+
+use super::flight::transmittance;
+use crate::Spectrum;
+use crate::math::{Ray, Rng};
+use crate::scene::Scene;
+use crate::scene::desc::MediumId;
+use crate::scene::shape::Shadow;
+
+/// What is left of light on a straight way that no opaque surface blocks.
+#[derive(Clone, Copy, Debug)]
+pub struct Passage {
+    /// Transmittance of all media and index-matched boundaries, exact or an unbiased estimate.
+    pub transmittance: Spectrum,
+    /// Mean over the channels of the transmittance of the homogeneous media on the way; weights of multiple
+    /// importance sampling use it, nothing else.
+    pub survival: f32,
+}
+
+/// Light's way from the ray's origin over `length` metres, starting in `medium`; `None` when it is blocked.
+///
+/// Index-matched boundaries change the medium on the way. Without `media` every surface blocks.
+#[inline]
+pub fn passage(
+    scene: &Scene,
+    mut ray: Ray,
+    mut length: f32,
+    mut medium: Option<MediumId>,
+    media: bool,
+    rng: &mut Rng,
+) -> Option<Passage> {
+    let mut passage = Passage { transmittance: Spectrum::ONE, survival: 1.0 };
+    if !media {
+        return (!scene.geometry.occluded(&ray, length)).then_some(passage);
+    }
+    loop {
+        let shadow = scene.geometry.shadow(&ray, length);
+        let (step, hit) = match &shadow {
+            Shadow::Blocked => return None,
+            Shadow::Clear => (length, None),
+            Shadow::Transparent(hit) => (hit.t, Some(hit)),
+        };
+        if let Some(inside) = medium {
+            let (transmitted, survival) = transmittance(scene.medium(inside), &ray, step, rng);
+            passage.transmittance *= transmitted;
+            passage.survival *= survival;
+        }
+        let Some(hit) = hit else { return Some(passage) };
+        let point = scene.geometry.surface(&ray, hit);
+        passage.transmittance *= scene.null_transmission(&point, ray.direction);
+        if passage.transmittance.is_black() {
+            return None;
+        }
+        medium = scene.medium_towards(&point, ray.direction, medium);
+        ray.origin = point.leave(ray.direction);
+        length -= step;
+    }
+}

@@ -1,0 +1,22 @@
+//! Who listens to a walk.
+
+use super::{Escape, Segment, SurfaceHit, Vertex};
+use crate::math::{PerSolidAngle, Sampler, Vec3};
+
+/// Receives what a walk meets, in order. Every method does nothing unless implemented.
+pub trait Sink {
+    /// A piece of a leg inside a medium. Called after the flight was sampled, before its outcome.
+    fn segment(&mut self, _segment: &Segment, _sampler: &mut Sampler) {}
+
+    /// A surface, index-matched or not.
+    fn surface(&mut self, _hit: &SurfaceHit) {}
+
+    /// A point where light scatters.
+    fn vertex(&mut self, _vertex: &Vertex, _sampler: &mut Sampler) {}
+
+    /// The walk goes on from `vertex` along `direction`, sampled with `pdf` (`None`: a delta distribution).
+    fn scattered(&mut self, _vertex: &Vertex, _direction: Vec3, _pdf: Option<PerSolidAngle>) {}
+
+    /// The walk left the scene.
+    fn escape(&mut self, _escape: &Escape) {}
+}
