@@ -25,7 +25,7 @@ fn render(case: &Case, set: &[(&str, i64)]) -> ([f64; 3], [f64; 3]) {
     let settings = Settings { integrator: Some(integrator), ..Settings::default() };
     let mut rendering = Rendering::new(&scene, &settings).unwrap();
     let mut result = ([0.0; 3], [0.0; 3]);
-    rendering.run(Budget::Passes(1 << 16), |rendering, _| {
+    rendering.run(Budget::Passes(1 << 18), |rendering, _| {
         let picture = rendering.picture();
         let n = picture.pixels.len() as f64;
         for c in 0..3 {
