@@ -6,8 +6,8 @@ use crate::math::{Aabb, Vec3};
 use rayon::prelude::*;
 
 const BINS: usize = 16;
-/// Leaves are split into lanes left over where that takes the expected number of visits below this share.
-const LEAF_SPLIT: f32 = 0.75;
+/// Leaves are split into lanes left over where that takes the expected cost below this share.
+const LEAF_SPLIT: f32 = 0.8;
 /// Ranges of more items are built by several threads ...
 const PARALLEL_BUILD: usize = 4096;
 /// ... and ranges of more items are also binned by several threads.
@@ -18,6 +18,8 @@ const PARALLEL_BIN: usize = 65536;
 struct Item {
     bounds: Aabb,
     index: u32,
+    /// Cost, in eighths of a packet of eight.
+    cost: u32,
 }
 
 impl Item {
@@ -45,7 +47,7 @@ enum Tree {
     Inner(Vec<(Aabb, Tree)>),
 }
 
-pub(super) fn build(bounds: &[Aabb]) -> Bvh {
+pub(super) fn build(bounds: &[Aabb], cost: impl Fn(usize) -> u32) -> Bvh {
     assert!(bounds.len() < LEAF as usize, "too many items for one hierarchy");
     // Adding zero turns -0 into 0: the union of boxes then does not depend on the order, sign bits included.
     let clean = |b: &Aabb| Aabb { min: b.min + Vec3::ZERO, max: b.max + Vec3::ZERO };
@@ -53,7 +55,7 @@ pub(super) fn build(bounds: &[Aabb]) -> Bvh {
         .iter()
         .enumerate()
         .filter(|(_, b)| !b.is_empty())
-        .map(|(i, b)| Item { bounds: clean(b), index: i as u32 })
+        .map(|(i, b)| Item { bounds: clean(b), index: i as u32, cost: cost(i) })
         .collect();
     if items.is_empty() {
         return Bvh::default();
@@ -142,21 +144,28 @@ fn grow(items: &mut [Item], cluster: Cluster, depth: usize) -> Tree {
 fn split(items: &mut [Item], cluster: Cluster, depth: usize) -> (Cluster, Cluster) {
     let plane = if depth < FREE_DEPTH { Grid::new(cluster.centres).best_plane(items) } else { None };
     let middle = match plane {
-        Some((grid, axis, bin)) => partition(items, |item| grid.bin(item, axis) < bin),
+        Some(plane) => partition(items, |item| plane.left(item)),
         None => halve(items, cluster.centres),
     };
     let (left, right) = items.split_at(middle);
     (summary(left, cluster.first), summary(right, cluster.first + middle))
 }
 
-/// Splits a leaf where a lane is left for it, if its parts are much smaller.
+/// The expected cost of visits to a leaf, or to as many packets.
+#[inline(always)]
+fn cost(bounds: Aabb, eighths: u64) -> f32 {
+    bounds.half_area() * eighths.div_ceil(WIDTH as u64) as f32
+}
+
+/// Splits a leaf where a lane is left for it, if its parts are much cheaper.
 fn split_leaf(items: &mut [Item], cluster: Cluster) -> Option<(Cluster, Cluster)> {
-    let (grid, axis, bin) = Grid::new(cluster.centres).best_plane(items)?;
-    let middle = partition(items, |item| grid.bin(item, axis) < bin);
+    let plane = Grid::new(cluster.centres).best_plane(items)?;
+    if !(plane.cost < LEAF_SPLIT * cost(cluster.bounds, items.iter().map(|i| u64::from(i.cost)).sum())) {
+        return None;
+    }
+    let middle = partition(items, |item| plane.left(item));
     let (left, right) = items.split_at(middle);
-    let (left, right) = (summary(left, cluster.first), summary(right, cluster.first + middle));
-    let worthwhile = left.bounds.half_area() + right.bounds.half_area() < LEAF_SPLIT * cluster.bounds.half_area();
-    worthwhile.then_some((left, right))
+    Some((summary(left, cluster.first), summary(right, cluster.first + middle)))
 }
 
 fn summary(items: &[Item], first: usize) -> Cluster {
@@ -207,11 +216,27 @@ struct Grid {
 #[derive(Clone, Copy)]
 struct Bin {
     bounds: Aabb,
-    count: usize,
+    /// Sum of its items'.
+    cost: u64,
+}
+
+/// The plane before a bin of a grid.
+struct Plane {
+    grid: Grid,
+    axis: usize,
+    bin: usize,
+    cost: f32,
+}
+
+impl Plane {
+    #[inline(always)]
+    fn left(&self, item: &Item) -> bool {
+        self.grid.bin(item, self.axis) < self.bin
+    }
 }
 
 type Bins = [[Bin; BINS]; 3];
-const NO_BINS: Bins = [[Bin { bounds: Aabb::EMPTY, count: 0 }; BINS]; 3];
+const NO_BINS: Bins = [[Bin { bounds: Aabb::EMPTY, cost: 0 }; BINS]; 3];
 
 impl Grid {
     fn new(centres: Aabb) -> Self {
@@ -233,7 +258,7 @@ impl Grid {
             for (axis, bins) in bins.iter_mut().enumerate() {
                 let bin = &mut bins[self.bin(item, axis)];
                 bin.bounds = bin.bounds.union(item.bounds);
-                bin.count += 1;
+                bin.cost += u64::from(item.cost);
             }
         }
         bins
@@ -243,39 +268,40 @@ impl Grid {
         let merge = |mut a: Bins, b: Bins| {
             for (a, b) in a.as_flattened_mut().iter_mut().zip(b.as_flattened()) {
                 a.bounds = a.bounds.union(b.bounds);
-                a.count += b.count;
+                a.cost += b.cost;
             }
             a
         };
         items.par_chunks(PARALLEL_BIN / 4).map(|chunk| self.fill(chunk)).reduce(|| NO_BINS, merge)
     }
 
-    /// The axis and the first bin on the right of the cheapest plane; `None` when all centres share one bin.
-    fn best_plane(self, items: &[Item]) -> Option<(Self, usize, usize)> {
+    /// The cheapest plane; `None` when all centres share one bin.
+    fn best_plane(self, items: &[Item]) -> Option<Plane> {
         let bins = if items.len() > PARALLEL_BIN { self.fill_parallel(items) } else { self.fill(items) };
-        let mut best: Option<(f32, usize, usize)> = None;
+        let mut best: Option<Plane> = None;
         for (axis, bins) in bins.iter().enumerate() {
-            let cost = |bounds: Aabb, count: usize| bounds.half_area() * count.div_ceil(WIDTH) as f32;
             let mut right_costs = [0.0; BINS];
-            let (mut bounds, mut count) = (Aabb::EMPTY, 0);
+            let (mut bounds, mut right) = (Aabb::EMPTY, [0; BINS]);
+            let mut eighths = 0;
             for i in (1..BINS).rev() {
                 bounds = bounds.union(bins[i].bounds);
-                count += bins[i].count;
-                right_costs[i] = cost(bounds, count);
+                eighths += bins[i].cost;
+                right[i] = eighths;
+                right_costs[i] = cost(bounds, eighths);
             }
-            let (mut bounds, mut count) = (Aabb::EMPTY, 0);
+            let (mut bounds, mut eighths) = (Aabb::EMPTY, 0);
             for i in 1..BINS {
                 bounds = bounds.union(bins[i - 1].bounds);
-                count += bins[i - 1].count;
-                if count == 0 || count == items.len() {
+                eighths += bins[i - 1].cost;
+                if eighths == 0 || right[i] == 0 {
                     continue;
                 }
-                let total = cost(bounds, count) + right_costs[i];
-                if best.is_none_or(|(b, ..)| total < b) {
-                    best = Some((total, axis, i));
+                let cost = cost(bounds, eighths) + right_costs[i];
+                if best.as_ref().is_none_or(|b| cost < b.cost) {
+                    best = Some(Plane { grid: self, axis, bin: i, cost });
                 }
             }
         }
-        best.map(|(_, axis, bin)| (self, axis, bin))
+        best
     }
 }

@@ -196,6 +196,19 @@ fn every_item_is_in_one_leaf() {
 }
 
 #[test]
+fn costly_items_are_set_apart() {
+    let flat = |y: f32| Aabb { min: Vec3::new(-3.0, y, -3.0), max: Vec3::new(3.0, y, 3.0) };
+    let small = |y: f32, r: f32| Aabb { min: Vec3::new(-r, y - r, -r), max: Vec3::new(r, y + r, r) };
+    let boxes =
+        [flat(-3.0), flat(-3.0), flat(-2.0), flat(-2.0), small(0.0, 0.7), small(2.6, 0.1), flat(3.0), flat(3.0)];
+    let alone = |bvh: &Bvh| {
+        (0..bvh.leaf_count() as u32).filter(|l| [[4], [5]].iter().any(|a| bvh.order()[bvh.leaf(*l)] == *a)).count()
+    };
+    assert_eq!(alone(&Bvh::build(&boxes)), 0);
+    assert_eq!(alone(&Bvh::build_with_costs(&boxes, |i| if i == 4 || i == 5 { 8 } else { 1 })), 2);
+}
+
+#[test]
 fn empty_boxes_are_left_out() {
     let full = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
     let nan = Aabb { min: Vec3::NAN, max: Vec3::ONE };

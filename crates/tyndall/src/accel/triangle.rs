@@ -25,6 +25,8 @@ pub struct TriangleRay {
     ray: Ray,
     /// The axes, the one with the largest direction component last.
     axes: [usize; 3],
+    /// The origin, by these axes.
+    origin: [f32; 3],
     shear: Vec2,
     scale: f32,
 }
@@ -44,18 +46,16 @@ impl TriangleRay {
     /// Prepares the ray; its direction need not be a unit vector but must not be zero.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
-        let d = ray.direction;
-        let a = d.abs();
-        let z = if a.x >= a.y && a.x >= a.z {
-            0
+        let (d, o, a) = (ray.direction, ray.origin, ray.direction.abs());
+        let (axes, direction, origin) = if a.x >= a.y && a.x >= a.z {
+            ([1, 2, 0], [d.y, d.z, d.x], [o.y, o.z, o.x])
         } else if a.y >= a.z {
-            1
+            ([2, 0, 1], [d.z, d.x, d.y], [o.z, o.x, o.y])
         } else {
-            2
+            ([0, 1, 2], [d.x, d.y, d.z], [o.x, o.y, o.z])
         };
-        let axes = [[1, 2, 0], [2, 0, 1], [0, 1, 2]][z];
-        let scale = 1.0 / d[z];
-        Self { ray: *ray, axes, shear: Vec2::new(d[axes[0]] * scale, d[axes[1]] * scale), scale }
+        let scale = 1.0 / direction[2];
+        Self { ray: *ray, axes, origin, shear: Vec2::new(direction[0] * scale, direction[1] * scale), scale }
     }
 }
 
@@ -81,14 +81,14 @@ impl TrianglePacket {
 
     /// The vertices `corner` seen from the ray, sheared so that it is the z axis.
     #[inline(always)]
-    fn sheared<L: Lanes>(&self, corner: usize, ray: &TriangleRay, origin: [f32; 3]) -> (L, L, L) {
+    fn sheared<L: Lanes>(&self, corner: usize, ray: &TriangleRay) -> (L, L, L) {
         let [kx, ky, kz] = ray.axes;
         let rows = &self.vertices[corner];
         // SAFETY: `axes` is a permutation of 0, 1, 2.
         let (x, y, z) = unsafe { (rows.get_unchecked(kx), rows.get_unchecked(ky), rows.get_unchecked(kz)) };
-        let z = L::load(z).sub(L::splat(origin[2]));
-        let x = L::load(x).sub(L::splat(origin[0])).sub(L::splat(ray.shear.x).mul(z));
-        let y = L::load(y).sub(L::splat(origin[1])).sub(L::splat(ray.shear.y).mul(z));
+        let z = L::load(z).sub(L::splat(ray.origin[2]));
+        let x = L::load(x).sub(L::splat(ray.origin[0])).sub(L::splat(ray.shear.x).mul(z));
+        let y = L::load(y).sub(L::splat(ray.origin[1])).sub(L::splat(ray.shear.y).mul(z));
         (x, y, z)
     }
 
@@ -96,11 +96,9 @@ impl TrianglePacket {
     /// present `t_max` and answers with the new one. Returns the last one.
     #[inline(always)]
     pub fn meet<L: Lanes>(&self, ray: &TriangleRay, t_max: f32, mut found: impl FnMut(TriangleHit, f32) -> f32) -> f32 {
-        let o = ray.ray.origin;
-        let origin = ray.axes.map(|k| o[k]);
-        let (ax, ay, az) = self.sheared::<L>(0, ray, origin);
-        let (bx, by, bz) = self.sheared::<L>(1, ray, origin);
-        let (cx, cy, cz) = self.sheared::<L>(2, ray, origin);
+        let (ax, ay, az) = self.sheared::<L>(0, ray);
+        let (bx, by, bz) = self.sheared::<L>(1, ray);
+        let (cx, cy, cz) = self.sheared::<L>(2, ray);
         let u = cx.mul(by).sub(cy.mul(bx));
         let v = ax.mul(cy).sub(ay.mul(cx));
         let w = bx.mul(ay).sub(by.mul(ax));

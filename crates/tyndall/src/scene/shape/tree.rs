@@ -2,7 +2,7 @@
 
 use super::{Form, Geometry, Instance};
 use crate::accel::{Bvh, TrianglePacket, TriangleRay, Visit};
-use crate::math::lanes::{Kernel, Lanes, Level};
+use crate::math::lanes::{Kernel, Lanes, Level, WIDTH};
 use crate::math::{Aabb, Ray, Vec2, Vec3};
 use glam::DVec3;
 use std::ops::Range;
@@ -56,7 +56,7 @@ impl Tree {
         }
         firsts.push(count as u32);
         let shape_of = |surface| firsts.partition_point(|first| *first <= surface) as u32 - 1;
-        let table = (0..count.min(TABLE) as u32).map(shape_of).collect();
+        let table = (0..count.min(TABLE) as u32).map(&shape_of).collect();
         let mut bounds = Vec::with_capacity(count);
         for shape in shapes {
             match &shape.form {
@@ -67,7 +67,10 @@ impl Tree {
                 Form::Instance(instance) => bounds.push(instance_bounds(instance, geometry.group_bounds(instance))),
             }
         }
-        let mut bvh = Bvh::build(&bounds);
+        let mut bvh = Bvh::build_with_costs(&bounds, |surface| {
+            let mesh = matches!(shapes[shape_of(surface as u32) as usize].form, Form::Mesh(_));
+            if mesh { 1 } else { WIDTH as u32 }
+        });
         drop(bounds);
         let mut tree = Self {
             packets: vec![TrianglePacket::EMPTY; bvh.leaf_count()],
