@@ -169,7 +169,7 @@ def main():
     parser.add_argument("--cache", type=Path, required=True)
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--size", type=int, default=256)
-    parser.add_argument("--reference-spp", type=int, default=4096)
+    parser.add_argument("--reference-spp", type=int, default=1024)
     parser.add_argument("--integrator")
     parser.add_argument("only", nargs="?", default="")
     options = parser.parse_args()

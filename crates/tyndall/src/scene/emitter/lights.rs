@@ -12,7 +12,7 @@ use super::{Constant, Emitter, EmitterId, Reach};
 use crate::Spectrum;
 use crate::math::{PerArea, PerSolidAngle, Ray, Vec2, Vec3};
 use crate::scene::desc::{AreaEmitterDesc, EmitterDesc};
-use crate::scene::shape::{Geometry, SurfacePoint};
+use crate::scene::shape::{AreaPoint, Geometry, SurfacePoint};
 use crate::scene::texture::TexturePoint;
 use std::sync::Arc;
 
@@ -172,7 +172,7 @@ impl Lights {
         let mut sample = match &self.emitters[emitter.0 as usize] {
             Emitter::Area(area) => {
                 let (point, pdf) = shapes::sample_from(&self.geometry, area.shape, x, u)?;
-                let texture_point = TexturePoint::new(&point, self.geometry.mesh(area.shape));
+                let texture_point = TexturePoint::on_emitter(&point, self.geometry.mesh(area.shape));
                 let radiance = |direction| area.radiance(&texture_point, point.normal, direction);
                 finite_sample(x, point.position, point.normal, emitter, |direction| {
                     (direction.dot(point.normal) > 0.0).then(|| (radiance(direction), pdf))
@@ -271,9 +271,9 @@ impl Lights {
         Some(match &self.emitters[emitter.0 as usize] {
             Emitter::Area(area) => {
                 let (point, density) = self.geometry.sample_area(area.shape, u)?;
-                let texture_point = TexturePoint::new(&point, self.geometry.mesh(area.shape));
+                let texture_point = TexturePoint::on_emitter(&point, self.geometry.mesh(area.shape));
                 let radiance = area.radiance(&texture_point, point.normal, point.normal);
-                let SurfacePoint { position, normal, .. } = point;
+                let AreaPoint { position, normal, .. } = point;
                 LightPoint { position, normal, radiance, density, selection: 1.0, delta: false, emitter }
             }
             point => LightPoint {

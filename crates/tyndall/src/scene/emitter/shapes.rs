@@ -1,7 +1,7 @@
 //! Emitting shapes: where they are, which way they face, and points on them chosen for a receiver.
 
 use crate::math::{Aabb, PerSolidAngle, Vec2, Vec3};
-use crate::scene::shape::{Form, Geometry, SurfacePoint};
+use crate::scene::shape::{AreaPoint, Form, Geometry};
 use std::f32::consts::PI;
 
 /// Added to the half angle of a mesh's cone of normals, radians: covers rounding.
@@ -41,7 +41,7 @@ pub fn normals(form: &Form) -> (Vec3, f32) {
 /// A point on an emitting shape chosen for a receiver at `from`, with the density of its direction: by solid angle on
 /// spheres that emit outwards, seen from outside; else by area. `None` where the point is seen edge-on.
 #[inline]
-pub fn sample_from(geometry: &Geometry, shape: u32, from: Vec3, u: Vec2) -> Option<(SurfacePoint, PerSolidAngle)> {
+pub fn sample_from(geometry: &Geometry, shape: u32, from: Vec3, u: Vec2) -> Option<(AreaPoint, PerSolidAngle)> {
     if emits_outwards(geometry, shape)
         && let Some(sample) = geometry.sample_sphere_solid_angle(shape, from, u)
     {

@@ -242,7 +242,7 @@ impl Instance {
 
 /// Rounds a point of the world and gives it its shading frame.
 #[inline]
-pub(super) fn place(hit: &Hit, p: LocalPoint, epsilon: f64) -> SurfacePoint {
+fn place(hit: &Hit, p: LocalPoint, epsilon: f64) -> SurfacePoint {
     let normal = p.normal.as_vec3();
     let away = p.shading_normal.dot(normal) < 0.0;
     let shading_normal = if away { -p.shading_normal } else { p.shading_normal };
@@ -291,7 +291,7 @@ impl From<Point> for LocalPoint {
 /// Positions are computed in double precision, so what matters is rounding to `f32`: of the position (at most sqrt(3)
 /// half-units) and of the start that [`SurfacePoint::leave`] moves off it (as many again). The tests along the new ray
 /// are exact about the side of the surface on which it starts.
-pub(super) fn rounding(p: DVec3) -> f64 {
+fn rounding(p: DVec3) -> f64 {
     8.0 * 0.5 * f32::EPSILON as f64 * p.abs().max_element()
 }
 

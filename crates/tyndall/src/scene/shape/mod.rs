@@ -12,7 +12,7 @@ mod tree;
 pub use error::{GeometryError, Problem};
 pub use geometry::{Geometry, Hit, Shadow};
 pub use mesh::Mesh;
-pub use sample::SphereSample;
+pub use sample::{AreaPoint, SphereSample};
 pub use surface::SurfacePoint;
 
 use glam::{DAffine3, DVec3};

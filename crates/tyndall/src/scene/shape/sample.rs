@@ -1,18 +1,66 @@
 //! Points on shapes, for emitters.
 
-use super::geometry::{place, rounding};
-use super::quadric::Sphere;
-use super::{Form, Geometry, Hit, Mesh, SurfacePoint};
+use super::quadric::{Point, Sphere};
+use super::{Form, Geometry, Mesh};
 use crate::math::random::{hash32, unit_f32};
 use crate::math::{PerArea, PerSolidAngle, Vec2, Vec3, warp};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
+/// A point on an emitting shape: what emission asks for, and no more.
+#[derive(Clone, Copy, Debug)]
+pub struct AreaPoint {
+    /// Position, metres.
+    pub position: Vec3,
+    /// Unit geometric normal.
+    pub normal: Vec3,
+    /// Texture coordinates.
+    pub uv: Vec2,
+    /// Index of the triangle in its mesh; 0 for other shapes.
+    pub triangle: u32,
+    /// Barycentric coordinates of the second and third vertex of the triangle.
+    pub barycentrics: Vec2,
+}
+
+impl AreaPoint {
+    #[inline]
+    fn of_mesh(mesh: &Mesh, triangle: u32, barycentrics: Vec2) -> Self {
+        let [a, b, c] = mesh.corners(triangle as usize);
+        let (ab, ac) = (b - a, c - a);
+        let mut uv = barycentrics;
+        if !mesh.uvs.is_empty() {
+            let [ta, tb, tc] = mesh.triangles[triangle as usize].map(|i| mesh.uvs[i as usize]);
+            uv = ta + barycentrics.x * (tb - ta) + barycentrics.y * (tc - ta);
+        }
+        let normal = ab.cross(ac).try_normalize();
+        Self {
+            position: a + barycentrics.x * ab + barycentrics.y * ac,
+            // Squares of tiny edges underflow in single precision.
+            normal: normal.unwrap_or_else(|| ab.as_dvec3().cross(ac.as_dvec3()).normalize_or_zero().as_vec3()),
+            uv,
+            triangle,
+            barycentrics,
+        }
+    }
+}
+
+impl From<Point> for AreaPoint {
+    fn from(point: Point) -> Self {
+        Self {
+            position: point.position.as_vec3(),
+            normal: point.normal.as_vec3(),
+            uv: point.uv(),
+            triangle: 0,
+            barycentrics: Vec2::ZERO,
+        }
+    }
+}
+
 /// A direction towards a sphere.
 #[derive(Clone, Copy, Debug)]
 pub struct SphereSample {
     /// The point where the direction meets the sphere.
-    pub point: SurfacePoint,
+    pub point: AreaPoint,
     /// Unit direction.
     pub direction: Vec3,
     /// Distance to the point, metres.
@@ -46,21 +94,12 @@ impl Geometry {
 
     /// A point uniform over the area of a shape of the scene, with its density. `None` for instances, for meshes whose
     /// description has no emission, and for those without area.
-    pub fn sample_area(&self, shape: u32, u: Vec2) -> Option<(SurfacePoint, PerArea)> {
-        let mut triangle = 0;
+    #[inline]
+    pub fn sample_area(&self, shape: u32, u: Vec2) -> Option<(AreaPoint, PerArea)> {
         let point = match self.form(shape) {
             Form::Mesh(mesh) => {
-                let cumulative = &self.shapes[shape as usize].cumulative;
-                let total = cumulative.last().copied().filter(|area| *area > 0.0)?;
-                // 24 random bits are used up by the choice among many triangles: hash some more below them.
-                let more = unit_f32(hash32(u.x.to_bits() ^ hash32(u.y.to_bits())));
-                let x = (u.x as f64 + more as f64 / 16_777_216.0) * total;
-                let index = cumulative.partition_point(|sum| *sum <= x).min(cumulative.len() - 1);
-                let below = if index == 0 { 0.0 } else { cumulative[index - 1] };
-                let rest = ((x - below) / (cumulative[index] - below)).clamp(0.0, 1.0);
-                triangle = index as u32;
-                let b = warp::square_to_triangle(Vec2::new(rest as f32, u.y));
-                mesh.point(triangle, b.as_dvec2())
+                let (triangle, u) = self.choose_triangle(shape, u)?;
+                AreaPoint::of_mesh(mesh, triangle, warp::square_to_triangle(u))
             }
             Form::Sphere(sphere) => sphere.point(sphere.axes_times(warp::square_to_sphere(u))).into(),
             Form::Disk(disk) => disk.point(warp::square_to_disk(u).as_dvec2()).into(),
@@ -70,9 +109,24 @@ impl Geometry {
             }
             Form::Instance(_) => return None,
         };
-        let hit = Hit { t: 0.0, shape, triangle, barycentrics: point.barycentrics, instance: None };
-        let epsilon = rounding(point.position);
-        Some((place(&hit, point, epsilon), self.area_pdf(shape)))
+        Some((point, self.area_pdf(shape)))
+    }
+
+    /// A triangle of an emitting mesh with probability proportional to its area, and the number that is left of `u`.
+    #[inline]
+    fn choose_triangle(&self, shape: u32, u: Vec2) -> Option<(u32, Vec2)> {
+        let cumulative = &self.shapes[shape as usize].cumulative;
+        let total = cumulative.last().copied().filter(|area| *area > 0.0)?;
+        let mut x = u.x as f64;
+        if cumulative.len() > 64 {
+            // 24 random bits are used up by the choice among many triangles: hash some more below them.
+            x += unit_f32(hash32(u.x.to_bits() ^ hash32(u.y.to_bits()))) as f64 / 16_777_216.0;
+        }
+        let x = x * total;
+        let index = cumulative.partition_point(|sum| *sum <= x).min(cumulative.len() - 1);
+        let below = if index == 0 { 0.0 } else { cumulative[index - 1] };
+        let rest = ((x - below) / (cumulative[index] - below)).clamp(0.0, 1.0);
+        Some((index as u32, Vec2::new(rest as f32, u.y)))
     }
 
     /// A direction uniform over the solid angle of a sphere seen from `from`. `None` for other shapes and when `from` is
@@ -93,10 +147,8 @@ impl Geometry {
         let half_chord = (sphere.radius * sphere.radius - cone.distance * cone.distance * sin2).max(0.0).sqrt();
         let distance = cone.distance * cos - half_chord;
         let point = sphere.point(from.as_dvec3() + distance * direction - sphere.center);
-        let hit = Hit { t: distance as f32, shape, triangle: 0, barycentrics: Vec2::ZERO, instance: None };
-        let epsilon = rounding(point.position);
         Some(SphereSample {
-            point: place(&hit, point.into(), epsilon),
+            point: point.into(),
             direction: direction.as_vec3(),
             distance: distance as f32,
             pdf: cone.pdf(),

@@ -16,7 +16,7 @@ pub use uv_map::UvMap;
 use crate::Spectrum;
 use crate::math::Vec2;
 use crate::scene::desc::TextureDesc;
-use crate::scene::shape::{Mesh, SurfacePoint};
+use crate::scene::shape::{AreaPoint, Mesh, SurfacePoint};
 
 /// Where a texture is looked up.
 #[derive(Clone, Copy, Debug)]
@@ -36,6 +36,12 @@ impl<'a> TexturePoint<'a> {
     #[inline(always)]
     pub fn new(surface: &SurfacePoint, mesh: Option<&'a Mesh>) -> Self {
         Self { uv: surface.uv, mesh, triangle: surface.triangle, barycentrics: surface.barycentrics }
+    }
+
+    /// The look-up at a point of an emitting shape, which lies on `mesh` if it lies on a mesh.
+    #[inline(always)]
+    pub fn on_emitter(point: &AreaPoint, mesh: Option<&'a Mesh>) -> Self {
+        Self { uv: point.uv, mesh, triangle: point.triangle, barycentrics: point.barycentrics }
     }
 
     /// A look-up by texture coordinates alone, away from any mesh.
