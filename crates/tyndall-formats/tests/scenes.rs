@@ -309,6 +309,59 @@ fn wrapping_integrators_are_unwrapped() {
 }
 
 #[test]
+fn how_mitsuba_should_work_is_left_out() {
+    let settings = |timeout: &str| {
+        format!(
+            "<integer name='samples_per_pass' value='16'/><integer name='block_size' value='32'/>
+             <float name='timeout' value='{timeout}'/>"
+        )
+    };
+    let read = |timeout: &str| {
+        let (outer, inner) = (settings("-1"), settings(timeout));
+        let text = format!(
+            "<integrator type='moment'>{outer}<integrator type='volpath'>{inner}
+             <integer name='max_depth' value='7'/></integrator></integrator>"
+        );
+        let loaded = try_scene(&text).unwrap();
+        assert_eq!(loaded.scene.integrator.parameters, [("max_depth".to_string(), ParameterValue::Integer(7))]);
+        loaded.warnings.into_iter().map(|w| w.message).collect::<Vec<_>>()
+    };
+    assert!(read("-1").iter().all(|w| !w.contains("timeout")));
+    assert_eq!(read("30").iter().filter(|w| w.contains("timeout 30")).count(), 1);
+
+    let text = "<integrator type='direct'><integer name='emitter_samples' value='4'/>
+         <integer name='bsdf_samples' value='1'/></integrator>";
+    let loaded = try_scene(text).unwrap();
+    assert!(loaded.scene.integrator.parameters.is_empty());
+    let warnings: Vec<_> = loaded.warnings.iter().filter(|w| w.message.contains("_samples")).collect();
+    assert!(matches!(warnings[..], [w] if w.message.starts_with("emitter_samples 4 ") && w.line == 2), "{warnings:?}");
+}
+
+#[test]
+fn the_medium_of_an_area_emitter_is_no_news() {
+    let light = |medium: &str| {
+        format!(
+            "<medium type='homogeneous' id='a'/><shape type='sphere'><emitter type='area'>{medium}</emitter></shape>"
+        )
+    };
+    let (with, without) = (try_scene(&light("<ref id='a'/>")).unwrap(), try_scene(&light("")).unwrap());
+    assert_eq!(with.warnings, without.warnings);
+    assert_eq!(with.scene.media.len(), 1);
+}
+
+#[test]
+fn old_media_without_an_albedo_take_the_default() {
+    let desc = old_scene(
+        "<medium type='homogeneous'><float name='sigmaT' value='4'/></medium>
+         <medium type='heterogeneous'><volume type='constvolume' name='density'><float name='value' value='2'/></volume>
+         </medium>",
+    );
+    let [first, second] = desc.media.as_slice() else { panic!() };
+    assert_eq!((constant(&first.sigma_t), constant(&first.albedo)), ([4.0; 3], [0.75; 3]));
+    assert_eq!((constant(&second.sigma_t), constant(&second.albedo)), ([2.0; 3], [0.75; 3]));
+}
+
+#[test]
 fn meshes_are_shared_flipped_and_flattened() {
     let files = tempfile::tempdir().unwrap();
     let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0.25\nvt 1 0.25\nvt 0 1\nf 1/1 2/2 3/3\n";

@@ -74,7 +74,7 @@ impl<'t> Reader<'t> {
             kind,
             to_world,
             sampling_weight: bag.checked("sampling_weight", 1.0, |w| w >= 0.0, "a number not below 0")?,
-            medium: self.surrounding(&bag)?.map(|(id, _)| id),
+            medium: self.surrounding(&bag)?,
         };
         self.close(&bag)?;
         Ok(emitter)

@@ -2,7 +2,7 @@
 
 use super::Reader;
 use super::properties::Bag;
-use super::source::{Place, SceneError};
+use super::source::SceneError;
 use super::textures::Quantity::{Extinction, Reflectance, Unbounded};
 use super::volumes::offender;
 use super::xml::Node;
@@ -77,23 +77,19 @@ impl<'t> Reader<'t> {
             if bag.find("sigma_t").is_none() {
                 return Err(bag.missing("density"));
             }
-            if bag.find("albedo").is_none() {
-                return Err(bag.missing("albedo"));
-            }
             return Ok((self.volume(bag, "sigma_t", 1.0, Unbounded)?, self.volume(bag, "albedo", 0.75, Reflectance)?));
         }
         match (bag.find("sigma_s"), bag.find("sigma_a")) {
             (Some(_), Some(_)) => {}
             (None, None) => {
-                return match (bag.find("sigma_t"), bag.find("albedo")) {
-                    (Some(_), Some(_)) => Ok((
-                        self.volume(bag, "sigma_t", 1.0, Unbounded)?,
-                        self.volume(bag, "albedo", 0.75, Reflectance)?,
-                    )),
-                    (None, None) => Err(bag.missing("sigma_s")),
-                    (None, _) => Err(bag.missing("sigma_t")),
-                    (_, None) => Err(bag.missing("albedo")),
-                };
+                if bag.find("sigma_t").is_none() {
+                    let albedo = bag.find("albedo").is_some();
+                    return Err(bag.missing(if albedo { "sigma_t" } else { "sigma_s" }));
+                }
+                return Ok((
+                    self.volume(bag, "sigma_t", 1.0, Unbounded)?,
+                    self.volume(bag, "albedo", 0.75, Reflectance)?,
+                ));
             }
             (Some(_), None) => return Err(bag.missing("sigma_a")),
             (None, Some(_)) => return Err(bag.missing("sigma_s")),
@@ -111,13 +107,7 @@ impl<'t> Reader<'t> {
     }
 
     /// The medium around an emitter or sensor.
-    pub(super) fn surrounding(&mut self, bag: &Bag<'t>) -> Result<Option<(MediumId, Place)>, SceneError> {
-        match bag.children("medium").as_slice() {
-            [] => Ok(None),
-            [(property, node)] => Ok(Some((self.medium(node)?, property.place.clone()))),
-            [_, (second, _), ..] => {
-                Err(second.place.error(format!("a second medium in {}, expected only one", bag.title())))
-            }
-        }
+    pub(super) fn surrounding(&mut self, bag: &Bag<'t>) -> Result<Option<MediumId>, SceneError> {
+        bag.child("medium")?.map(|node| self.medium(node)).transpose()
     }
 }

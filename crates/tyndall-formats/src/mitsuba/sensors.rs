@@ -86,7 +86,7 @@ impl<'t> Reader<'t> {
         {
             return Err(place.error("to_world that scales, expected only rotations and translations"));
         }
-        let medium = self.surrounding(&bag)?.map(|(id, _)| id);
+        let medium = self.surrounding(&bag)?;
         self.close(&bag)?;
         Ok(SensorDesc { kind, to_world, near_clip, far_clip, medium })
     }

@@ -165,12 +165,8 @@ impl<'t> Reader<'t> {
             radiance: self.texture(&bag, "radiance", 1.0, Quantity::Emission)?,
             sampling_weight: bag.checked("sampling_weight", 1.0, |w| w >= 0.0, "a number not below 0")?,
         };
-        if let Some((_, place)) = self.surrounding(&bag)? {
-            self.warn(
-                &place,
-                "the medium of an area emitter is ignored: its shape's interior and exterior say the same",
-            );
-        }
+        // Its shape's interior and exterior say the same.
+        self.surrounding(&bag)?;
         self.close(&bag)?;
         Ok(emission)
     }
