@@ -36,6 +36,8 @@ pub(crate) fn run(root: &Path) -> Result<(), String> {
         root,
         cargo("doc --release --workspace --no-deps --document-private-items").env("RUSTDOCFLAGS", "-D warnings"),
     )?;
+    println!("==> book");
+    crate::book::check(root)?;
     if root.join("fuzz/Cargo.toml").exists() {
         step(root, &mut cargo("check --manifest-path fuzz/Cargo.toml"))?;
     }

@@ -1,5 +1,6 @@
 //! Developer tasks: what a person would otherwise do by hand.
 
+mod book;
 mod ci;
 mod layers;
 mod python;
@@ -19,10 +20,12 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Task {
-    /// Everything a change must pass: format, lints, layers, tests, documentation, fuzz targets.
+    /// Everything a change must pass: format, lints, layers, tests, documentation, manual, fuzz targets.
     Ci,
     /// Check that no room of the library uses one above it.
     Layers,
+    /// Write the manual's page of integrators.
+    Book,
     /// Write the side files of the scenes: grids and meshes.
     Scenes,
     /// Render the reference images of the format tests with Mitsuba 3 (from PyPI, in target/mitsuba).
@@ -56,6 +59,7 @@ fn main() -> ExitCode {
     let result = match Arguments::parse().task {
         Task::Ci => ci::run(&root),
         Task::Layers => layers::check(&root),
+        Task::Book => book::write(&root),
         Task::Scenes => scenes::write(&root).map_err(|e| format!("cannot write the scenes: {e}")),
         Task::References { only } => python::references(&root, only.as_deref()),
         Task::Peers { only, threads, size, integrator } => {

@@ -3,7 +3,7 @@
 mod seeds;
 
 use tyndall::math::Rng;
-use tyndall_formats::{grid, image, mesh};
+use tyndall_formats::{grid, image, mesh, mitsuba};
 
 /// Feeds the reader of a format; true when it liked the bytes.
 fn parse(format: &str, bytes: &[u8]) -> bool {
@@ -11,6 +11,10 @@ fn parse(format: &str, bytes: &[u8]) -> bool {
         "obj" => mesh::obj::parse(bytes, "a").is_ok(),
         "ply" => mesh::ply::parse(bytes, "a").is_ok(),
         "serialized" => (0..2).all(|index| mesh::serialized::parse(bytes, "a", index).is_ok()),
+        "xml" => {
+            let text = String::from_utf8_lossy(bytes);
+            mitsuba::read_str(&text, "no such folder".as_ref(), &mitsuba::Options::default()).is_ok()
+        }
         "vol" => grid::vol::parse(bytes, "a").is_ok(),
         _ => image::parse(bytes, "a", false).is_ok() && image::parse_picture(bytes, "a").is_ok(),
     }

@@ -13,7 +13,12 @@ pub type Seed = (&'static str, Vec<u8>);
 
 /// All of them.
 pub fn all() -> Vec<Seed> {
-    let mut seeds = vec![("vol", vol()), ("obj", OBJ.as_bytes().to_vec()), ("ply", PLY_TEXT.as_bytes().to_vec())];
+    let mut seeds = vec![
+        ("xml", XML.as_bytes().to_vec()),
+        ("vol", vol()),
+        ("obj", OBJ.as_bytes().to_vec()),
+        ("ply", PLY_TEXT.as_bytes().to_vec()),
+    ];
     seeds.extend([true, false].map(|big| ("ply", ply_binary(big))));
     seeds.extend(
         [(3, 0x1000), (4, 0x1003), (4, 0x200b)].map(|(version, flags)| ("serialized", serialized(version, flags))),
@@ -22,6 +27,17 @@ pub fn all() -> Vec<Seed> {
     seeds.extend(pictures().into_iter().map(|bytes| ("image", bytes)));
     seeds
 }
+
+const XML: &str = r##"<scene version="0.6.0"><default name="g" value="0.5"/>
+<integrator type="volpath"><integer name="maxDepth" value="8"/></integrator>
+<sensor type="perspective"><float name="fov" value="45"/><transform name="toWorld">
+<lookat origin="0,0,-5" target="0,0,0" up="0,1,0"/><rotate y="1" angle="30"/><matrix value="1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1"/>
+</transform><film type="hdrfilm"><integer name="width" value="16"/><rfilter type="mitchell"/></film></sensor>
+<bsdf type="twosided" id="b"><bsdf type="diffuse"><rgb name="reflectance" value="#ff8000"/></bsdf></bsdf>
+<medium type="homogeneous" id="m"><float name="sigmaT" value="2"/><float name="albedo" value="0.5"/><phase type="hg"><float name="g" value="$g"/></phase></medium>
+<shape type="sphere"><float name="radius" value="2"/><ref id="b"/><ref name="interior" id="m"/></shape>
+<emitter type="constant"><spectrum name="radiance" value="400:0, 500:0.3, 700:1.1"/></emitter></scene>
+"##;
 
 const OBJ: &str = "# seed\nmtllib a.mtl\no thing\nv 0 0 0\nv 1 0 0 1 0.5 0\nv 1 1 0\nv 0 1e-1 2\nvt 0 0\nvt 1 0.5\nvn 0 0 1\n\
                    g part\ns 1\nusemtl red\nf 1/1/1 2/2/1 3//1 4\nf -1 -2 \\\n -3\n";
