@@ -63,7 +63,7 @@ fn is_near_a_point_light(case: &Case) -> bool {
 
 #[test]
 fn equiangular_sampling_on_all_legs() {
-    let cases: Vec<Case> = corpus::all().into_iter().filter(|case| is_near_a_point_light(case)).collect();
+    let cases: Vec<Case> = corpus::all().into_iter().filter(is_near_a_point_light).collect();
     cases.iter().for_each(|case| agrees(case, &[("equiangular_legs", -1), ("rr_depth", 5)], 3 * cases.len()));
 }
 

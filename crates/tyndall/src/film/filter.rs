@@ -4,8 +4,25 @@
 //! pixel's samples is then the filtered picture. Filters are products of one profile along x and y.
 
 use crate::math::Vec2;
-use crate::scene::desc::ReconstructionFilter;
 use std::f64::consts::PI;
+
+/// Reconstruction filters; sizes in pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs, reason = "the parameters are those of the literature")]
+pub enum ReconstructionFilter {
+    Box,
+    Tent { radius: f32 },
+    Gaussian { stddev: f32 },
+    Mitchell { b: f32, c: f32 },
+    CatmullRom,
+    Lanczos { lobes: u32 },
+}
+
+impl Default for ReconstructionFilter {
+    fn default() -> Self {
+        Self::Gaussian { stddev: 0.5 }
+    }
+}
 
 /// Nodes of a table per pixel of a filter's radius.
 const NODES_PER_PIXEL: f64 = 256.0;

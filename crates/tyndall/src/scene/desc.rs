@@ -3,6 +3,7 @@
 //! Everything here can be written by hand. Numbers are not checked until the scene is built; ids are indices into the
 //! vectors of [`SceneDesc`].
 
+pub use crate::film::filter::ReconstructionFilter;
 use crate::math::Transform;
 use std::sync::Arc;
 
@@ -677,24 +678,6 @@ pub struct FilmDesc {
 impl Default for FilmDesc {
     fn default() -> Self {
         Self { width: 768, height: 576, crop: None, filter: ReconstructionFilter::default() }
-    }
-}
-
-/// Reconstruction filters; sizes in pixels.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(missing_docs, reason = "the parameters are those of the literature")]
-pub enum ReconstructionFilter {
-    Box,
-    Tent { radius: f32 },
-    Gaussian { stddev: f32 },
-    Mitchell { b: f32, c: f32 },
-    CatmullRom,
-    Lanczos { lobes: u32 },
-}
-
-impl Default for ReconstructionFilter {
-    fn default() -> Self {
-        Self::Gaussian { stddev: 0.5 }
     }
 }
 
