@@ -10,7 +10,6 @@ use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write;
 use std::path::Path;
 use std::sync::Arc;
-use tyndall::integrators;
 use tyndall::scene::Scene;
 use tyndall::scene::desc::{
     EmitterKind, FilmDesc, GeometryDesc, MediumDesc, MediumKind, PhaseDesc, ReconstructionFilter, Rgb, SceneDesc,
@@ -20,9 +19,10 @@ use tyndall::scene::desc::{
 /// Reads and builds a scene, prints a summary, says what a user should know.
 pub(crate) fn run(args: &Check) -> Result<(), Failure> {
     let console = Console::NORMAL;
-    let desc = load(&args.scene, console)?;
+    let loaded = load(&args.scene, console)?;
+    let integrator = choice::make(&loaded.scene.integrator, &loaded)?;
+    let desc = loaded.scene;
     let scene = build(&desc, console)?;
-    let integrator = integrators::make(&desc.integrator).map_err(choice::scene_error)?;
     for warning in integrator.warnings(&scene) {
         console.warning(warning);
     }

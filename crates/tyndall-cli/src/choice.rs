@@ -2,8 +2,9 @@
 
 use crate::console::Console;
 use crate::failure::Failure;
-use tyndall::integrators::{self, IntegratorInfo, ParameterError, ParameterInfo, REGISTRY};
+use tyndall::integrators::{self, Integrator, IntegratorInfo, ParameterInfo, REGISTRY};
 use tyndall::scene::desc::{IntegratorDesc, ParameterValue};
+use tyndall_formats::mitsuba::Loaded;
 
 /// Parameters of the scene's integrator that another one takes over if it knows them.
 const COMMON: [&str; 3] = ["max_depth", "rr_depth", "hide_emitters"];
@@ -15,14 +16,15 @@ pub(crate) fn find(name: &str) -> Result<&'static IntegratorInfo, Failure> {
 
 /// The scene's integrator, or `chosen` in its place, with the parameters in `set`, all of them checked.
 pub(crate) fn choose(
-    scene: &IntegratorDesc,
+    loaded: &Loaded,
     chosen: Option<&'static IntegratorInfo>,
     set: &[(String, String)],
     console: Console,
 ) -> Result<IntegratorDesc, Failure> {
+    let scene = &loaded.scene.integrator;
     let mut desc = chosen.map_or_else(|| scene.clone(), |info| replace(scene, info, console));
     // What the scene says is checked first: its mistakes are not those of the command line.
-    integrators::make(&desc).map_err(scene_error)?;
+    make(&desc, loaded)?;
     let info = find(&desc.name)?;
     for (key, value) in set {
         if info.parameters.iter().all(|p| p.name != key) {
@@ -36,9 +38,9 @@ pub(crate) fn choose(
     Ok(desc)
 }
 
-/// A mistake in what the scene says about its integrator.
-pub(crate) fn scene_error(error: ParameterError) -> Failure {
-    Failure::other(format_args!("the scene's integrator: {error}"))
+/// The integrator of `desc`, all of whose parameters are those of the scene: mistakes are shown there.
+pub(crate) fn make(desc: &IntegratorDesc, loaded: &Loaded) -> Result<Box<dyn Integrator>, Failure> {
+    integrators::make(desc).map_err(|error| Failure::scene(&loaded.integrator.error(&error)))
 }
 
 /// `info` in place of the scene's integrator.
@@ -81,13 +83,13 @@ fn text(value: &ParameterValue) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::path::Path;
+    use tyndall_formats::mitsuba;
 
-    fn scene() -> IntegratorDesc {
-        let parameters = vec![
-            ("max_depth".into(), ParameterValue::Integer(7)),
-            ("equiangular_legs".into(), ParameterValue::Integer(1)),
-        ];
-        IntegratorDesc { name: "volpathmis".into(), parameters }
+    fn scene() -> Loaded {
+        let text = r#"<scene version="3.0.0"><integrator type="volpathmis"><integer name="max_depth" value="7"/>
+            <integer name="equiangular_legs" value="1"/></integrator></scene>"#;
+        mitsuba::read_str(text, Path::new("."), &mitsuba::Options::default()).unwrap()
     }
 
     #[test]
@@ -97,7 +99,7 @@ mod tests {
         assert_eq!(path.parameters, [("max_depth".into(), ParameterValue::Integer(7))]);
         assert_eq!(parameters(&path), "max_depth=7 rr_depth=5 hide_emitters=false");
         // The same one by another name.
-        assert_eq!(choose(&scene(), find("volpath").ok(), &[], quiet).unwrap(), scene());
+        assert_eq!(choose(&scene(), find("volpath").ok(), &[], quiet).unwrap(), scene().scene.integrator);
     }
 
     #[test]

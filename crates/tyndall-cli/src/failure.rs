@@ -3,6 +3,7 @@
 use crate::console::error_line;
 use std::fmt::Display;
 use std::process::ExitCode;
+use tyndall_formats::mitsuba::SceneError;
 
 /// An error that ends the program.
 #[derive(Debug)]
@@ -22,6 +23,11 @@ impl Failure {
     /// Any other error.
     pub(crate) fn other(message: impl Display) -> Self {
         Self::Other(message.to_string())
+    }
+
+    /// A mistake in a scene file, with the line it is in.
+    pub(crate) fn scene(error: &SceneError) -> Self {
+        Self::other(error.report().trim_end())
     }
 
     /// `found` is none of `known`; names the nearest.

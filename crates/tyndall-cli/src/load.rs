@@ -5,16 +5,16 @@ use crate::console::Console;
 use crate::failure::Failure;
 use tyndall::scene::Scene;
 use tyndall::scene::desc::{FilmDesc, SceneDesc, ShapeDesc};
-use tyndall_formats::mitsuba;
+use tyndall_formats::mitsuba::{self, Loaded};
 
 /// Reads a scene; warnings are said.
-pub(crate) fn load(file: &SceneFile, console: Console) -> Result<SceneDesc, Failure> {
+pub(crate) fn load(file: &SceneFile, console: Console) -> Result<Loaded, Failure> {
     let options = mitsuba::Options { defines: file.define.clone() };
-    let loaded = mitsuba::read(&file.path, &options).map_err(|error| Failure::other(error.report().trim_end()))?;
+    let loaded = mitsuba::read(&file.path, &options).map_err(|error| Failure::scene(&error))?;
     for warning in &loaded.warnings {
         console.warning(warning);
     }
-    Ok(loaded.scene)
+    Ok(loaded)
 }
 
 /// Builds a scene; what a user should know about it is said.

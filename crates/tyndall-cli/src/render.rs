@@ -72,9 +72,10 @@ fn describe(
     info: Option<&'static IntegratorInfo>,
     console: Console,
 ) -> Result<SceneDesc, Failure> {
-    let mut desc = load::load(&args.scene, console)?;
+    let loaded = load::load(&args.scene, console)?;
+    let integrator = choice::choose(&loaded, info, &args.set, console)?;
+    let mut desc = SceneDesc { integrator, ..loaded.scene };
     desc.film = load::film(desc.film, args.size, args.crop)?;
-    desc.integrator = choice::choose(&desc.integrator, info, &args.set, console)?;
     desc.sampler.seed = args.seed.unwrap_or(desc.sampler.seed);
     console.detail(format_args!("integrator {}: {}", desc.integrator.name, choice::parameters(&desc.integrator)));
     Ok(desc)

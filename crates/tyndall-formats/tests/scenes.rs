@@ -338,6 +338,26 @@ fn how_mitsuba_should_work_is_left_out() {
 }
 
 #[test]
+fn both_sides_of_a_surface_only_reflect() {
+    // What Mitsuba takes and refuses.
+    for (nested, accepted) in [
+        ("<bsdf type='principled'/>", true),
+        ("<bsdf type='principled'><float name='spec_trans' value='0'/></bsdf>", true),
+        ("<bsdf type='principled'><float name='spec_trans' value='0.5'/></bsdf>", false),
+        ("<bsdf type='principledthin'/>", false),
+        ("<bsdf type='mask'><float name='opacity' value='1'/><bsdf type='diffuse'/></bsdf>", false),
+        ("<bsdf type='bumpmap'><texture type='checkerboard'/><bsdf type='dielectric'/></bsdf>", false),
+        ("<bsdf type='diffuse'/><bsdf type='conductor'/>", true),
+        ("<bsdf type='diffuse'/><bsdf type='null'/>", false),
+        ("<bsdf type='twosided'><bsdf type='plastic'/></bsdf>", true),
+    ] {
+        let found = try_scene(&format!("<bsdf type='twosided'>{nested}</bsdf>"));
+        assert_eq!(found.is_ok(), accepted, "{nested}");
+        assert!(accepted || found.unwrap_err().message().contains("transmits light"), "{nested}");
+    }
+}
+
+#[test]
 fn the_medium_of_an_area_emitter_is_no_news() {
     let light = |medium: &str| {
         format!(

@@ -55,12 +55,33 @@ fn a_broken_scene_shows_the_place() {
 }
 
 #[test]
-fn an_unknown_integrator_of_the_scene() {
+fn mistakes_about_the_integrator_of_the_scene() {
     let folder = Folder::with_scene();
-    std::fs::write(folder.path("mlt.xml"), SCENE.replace("type=\"volpath\"", "type=\"pssmlt\"")).unwrap();
-    assert!(folder.fail("render mlt.xml", 1).contains("pssmlt"));
-    // Another one can be chosen.
+    let write = |name: &str, from: &str, to: &str| {
+        assert_eq!(SCENE.matches(from).count(), 1);
+        std::fs::write(folder.path(name), SCENE.replace(from, to)).unwrap();
+    };
+    write("mlt.xml", "type=\"volpath\"", "type=\"volpth\"");
+    write("name.xml", "name=\"max_depth\"", "name=\"max_dept\"");
+    write("range.xml", "value=\"6\"", "value=\"-6\"");
+    write("kind.xml", "<integer name=\"max_depth\" value=\"6\"/>", "<float name=\"max_depth\" value=\"6.5\"/>");
+    for command in ["render", "check"] {
+        for (file, place, marked, said) in [
+            ("mlt.xml", "3:23", "volpth", "did you mean \"volpath\"?"),
+            ("name.xml", "3:47", "max_dept", "did you mean \"max_depth\"?"),
+            ("range.xml", "3:65", "-6", "found `-6`"),
+            ("kind.xml", "3:63", "6.5", "found `6.5`"),
+        ] {
+            let err = folder.fail(&format!("{command} {file}"), 1);
+            assert!(err.starts_with(&format!("error: {file}:{place}: ")) && err.contains(said), "{err}");
+            assert!(err.contains(&format!(" {}\n", "^".repeat(marked.len()))), "{err}");
+        }
+    }
+    // Another one can be chosen, which has no use for what the first could not read.
     folder.succeed("render mlt.xml -i volpath --spp 1 -q");
+    folder.succeed("render name.xml -i path --spp 1 -q");
+    // What it takes over still has to make sense.
+    assert!(folder.fail("render range.xml -i path", 1).starts_with("error: range.xml:3:65: "));
 }
 
 #[test]

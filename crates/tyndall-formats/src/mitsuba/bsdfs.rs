@@ -142,7 +142,15 @@ impl<'t> Reader<'t> {
                 if bag.boolean("allow_transmission", false)? {
                     return Err(bag.place().error("allow_transmission is not supported, expected false"));
                 }
-                match self.nested(&bag)?.as_slice() {
+                let mut sides = Vec::new();
+                for (property, node) in bag.children("bsdf") {
+                    let side = self.bsdf(node)?;
+                    if self.transmits(side) {
+                        return Err(property.place.error(format!("bsdf \"twosided\" around one that transmits light (\"{}\"), expected one that only reflects", node.required("type")?.value)));
+                    }
+                    sides.push(side);
+                }
+                match sides.as_slice() {
                     [front] => BsdfDesc::TwoSided { front: *front, back: None },
                     [front, back] => BsdfDesc::TwoSided { front: *front, back: Some(*back) },
                     other => return Err(wrong_count(&bag, other.len(), "1 or 2")),
@@ -178,6 +186,27 @@ impl<'t> Reader<'t> {
         self.scene.bsdfs.push(bsdf);
         self.bsdfs.insert(node.index, id);
         Ok(id)
+    }
+
+    /// Whether light may pass, whatever its share.
+    fn transmits(&self, bsdf: BsdfId) -> bool {
+        match &self.scene.bsdfs[bsdf.0] {
+            BsdfDesc::Dielectric { .. }
+            | BsdfDesc::ThinDielectric { .. }
+            | BsdfDesc::RoughDielectric { .. }
+            | BsdfDesc::PrincipledThin(_)
+            | BsdfDesc::Null
+            | BsdfDesc::Mask { .. } => true,
+            BsdfDesc::Principled(p) => !matches!(p.spec_trans, TextureDesc::Constant([0.0, 0.0, 0.0])),
+            BsdfDesc::Blend { first, second, .. } => self.transmits(*first) || self.transmits(*second),
+            BsdfDesc::BumpMap { nested, .. } | BsdfDesc::NormalMap { nested, .. } => self.transmits(*nested),
+            BsdfDesc::Diffuse { .. }
+            | BsdfDesc::Conductor { .. }
+            | BsdfDesc::RoughConductor { .. }
+            | BsdfDesc::Plastic { .. }
+            | BsdfDesc::RoughPlastic { .. }
+            | BsdfDesc::TwoSided { .. } => false,
+        }
     }
 
     fn nested(&mut self, bag: &Bag<'t>) -> Result<Vec<BsdfId>, SceneError> {

@@ -24,6 +24,7 @@ mod upgrade;
 mod volumes;
 mod xml;
 
+pub use integrators::IntegratorSource;
 pub use source::{SceneError, Warning};
 
 use assets::Assets;
@@ -51,6 +52,8 @@ pub struct Options {
 pub struct Loaded {
     /// The scene.
     pub scene: SceneDesc,
+    /// Where its integrator is written.
+    pub integrator: IntegratorSource,
     /// What its author may want to know.
     pub warnings: Vec<Warning>,
 }
@@ -108,8 +111,9 @@ impl<'t> Reader<'t> {
 
     fn scene(mut self) -> Result<Loaded, SceneError> {
         let bag = self.open(&self.tree.root)?;
+        let mut integrator = IntegratorSource::none(bag.place());
         if let Some(node) = bag.child("integrator")? {
-            self.scene.integrator = self.integrator(node)?;
+            (self.scene.integrator, integrator) = self.integrator(node)?;
         }
         self.sensors(&bag)?;
         for (_, node) in bag.children("bsdf") {
@@ -139,7 +143,7 @@ impl<'t> Reader<'t> {
             bag.children(family);
         }
         self.close(&bag)?;
-        Ok(Loaded { scene: self.scene, warnings: self.warnings })
+        Ok(Loaded { scene: self.scene, integrator, warnings: self.warnings })
     }
 
     /// Begins to read an object.

@@ -59,7 +59,7 @@ pub(crate) struct Property<'t> {
     /// The value's place; the element's for children.
     pub(crate) place: Place,
     /// The name's place.
-    name_place: Place,
+    pub(crate) name_place: Place,
     pub(crate) value: Value<'t>,
     used: Cell<bool>,
 }
@@ -312,7 +312,7 @@ impl<'t> Bag<'t> {
     }
 
     /// Everything not asked for that is a plain value: the parameters of an integrator.
-    pub(crate) fn rest(&self) -> Result<Vec<(String, ParameterValue)>, SceneError> {
+    pub(crate) fn rest(&self) -> Result<Vec<(&Property<'t>, String, ParameterValue)>, SceneError> {
         let mut parameters = Vec::new();
         for property in self.properties.iter().filter(|p| !p.used.get()) {
             let Some(name) = &property.name else { continue };
@@ -324,7 +324,7 @@ impl<'t> Bag<'t> {
                 _ => return Err(property.wrong("a number, boolean or string")),
             };
             property.used.set(true);
-            parameters.push((name.clone(), value));
+            parameters.push((property, name.clone(), value));
         }
         Ok(parameters)
     }
