@@ -1,7 +1,7 @@
 //! The free flight: where along a ray does light meet the medium, and with which weight.
 //!
 //! Homogeneous media are solved in closed form. Heterogeneous media are tracked by null collisions over a grid of local
-//! majorants: one loop, [`tentative_collisions`], serves the sampling of distances (delta tracking, Woodcock 1965) and
+//! majorants: one loop, `tentative_collisions`, serves the sampling of distances (delta tracking, Woodcock 1965) and
 //! the estimation of transmittance (residual ratio tracking, Novak et al. 2014).
 //!
 //! Chromatic media draw a hero channel for each flight with probabilities proportional to the throughput and divide by
