@@ -79,18 +79,4 @@ impl Aabb {
             Vec3::new(pick(0, self.min.x, self.max.x), pick(1, self.min.y, self.max.y), pick(2, self.min.z, self.max.z))
         })
     }
-
-    /// Distances along the ray `o + t d` at which it enters and leaves the box, within `[0, t_max]`.
-    #[inline(always)]
-    pub fn clip(self, o: Vec3, d: Vec3, t_max: f32) -> Option<(f32, f32)> {
-        let inverse = d.recip();
-        let a = (self.min - o) * inverse;
-        let b = (self.max - o) * inverse;
-        // `min`/`max` drop the NaN of 0 * infinity: a ray inside a slab's plane counts as inside the slab.
-        let near = a.min(b);
-        let far = a.max(b);
-        let t0 = near.x.max(near.y).max(near.z).max(0.0);
-        let t1 = far.x.min(far.y).min(far.z).min(t_max);
-        (t0 < t1).then_some((t0, t1))
-    }
 }
