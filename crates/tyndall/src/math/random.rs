@@ -26,6 +26,13 @@ pub fn unit_f32(bits: u32) -> f32 {
     (bits >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
+/// `u` with 24 more random bits below its own, hashed from it and an independent number: for choices among so many that 24
+/// bits do not tell them apart.
+#[inline(always)]
+pub fn more_bits(u: f32, other: f32) -> f64 {
+    f64::from(u) + f64::from(unit_f32(hash32(u.to_bits() ^ hash32(other.to_bits())))) / 16_777_216.0
+}
+
 /// A small permuted congruential generator (O'Neill 2014, PCG-XSH-RR 64/32) whose start depends on a key alone.
 #[derive(Clone, Debug)]
 pub struct Rng {

@@ -2,13 +2,13 @@
 
 use super::bsdf::{BsdfError, Bsdfs};
 use super::desc::{BsdfDesc, BsdfId, MediumId, SceneDesc, ShapeDesc, TextureDesc};
-use super::emitter::{EmitterError, Lights};
+use super::emitter::{Emitter, EmitterError, Lights};
 use super::medium::{Medium, MediumError};
 use super::sensor::{Sensor, SensorError};
 use super::shape::{Geometry, GeometryError};
 use super::{Attachments, Scene};
 use crate::film::filter::{FilterError, FilterSampler};
-use crate::math::{Ray, Rng, Vec3, warp};
+use crate::math::{Ray, Rng, Vec2, Vec3, warp};
 use std::sync::Arc;
 
 /// Why a scene cannot be built. Messages name the shape, medium or emitter.
@@ -67,6 +67,9 @@ impl Scene {
             check_reference(&shape.name, "medium", shape.exterior.map(|m| m.0), desc.media.len())?;
             check_reference(&shape.name, "BSDF", shape.bsdf.map(|b| b.0), desc.bsdfs.len())?;
         }
+        for emitter in &desc.emitters {
+            check_reference(&emitter.name, "medium", emitter.medium.map(|m| m.0), desc.media.len())?;
+        }
         check_reference("sensor", "medium", desc.sensor.medium.map(|m| m.0), desc.media.len())?;
 
         // Shapes without a model are grey, emitters without one black.
@@ -113,11 +116,13 @@ impl Scene {
             notes: Vec::new(),
             geometry,
             attachments,
+            emission_media: Vec::new(),
             bsdfs,
             media,
             lights,
         };
         scene.find_camera_medium(desc);
+        scene.find_emission_media(desc);
         Ok(scene)
     }
 
@@ -149,6 +154,29 @@ impl Scene {
             ray.origin = point.leave(ray.direction);
         }
         None
+    }
+
+    /// Files rarely say in which medium an emitter stands. One point decides for a whole shape.
+    fn find_emission_media(&mut self, desc: &SceneDesc) {
+        if self.media.is_empty() {
+            return;
+        }
+        // The description's emitters come first among all.
+        let named = desc.emitters.iter().map(|emitter| emitter.medium).chain(std::iter::repeat(None));
+        let medium = |(emitter, named): (&Emitter, Option<MediumId>)| match emitter {
+            Emitter::Area(area) if self.is_boundary(area.shape) => self.attached(area.shape).exterior,
+            Emitter::Area(area) => {
+                // Off the middle, where edges tend to be.
+                let (point, _) = self.geometry.sample_area(area.shape, Vec2::new(0.37, 0.61))?;
+                self.medium_at(self.geometry.leave_emitter(area.shape, &point))
+            }
+            // Emitters at infinity have no position: their light comes through vacuum.
+            other => {
+                let position = other.position()?;
+                named.or_else(|| self.medium_at(position))
+            }
+        };
+        self.emission_media = self.lights.emitters().iter().zip(named).map(medium).collect();
     }
 
     /// Files rarely say that the camera stands in a medium.

@@ -14,10 +14,10 @@ pub use build::BuildError;
 pub use desc::SceneDesc;
 
 use crate::film::filter::FilterSampler;
-use crate::math::Vec3;
+use crate::math::{Vec2, Vec3};
 use bsdf::{Bsdfs, SurfaceContext};
 use desc::{BsdfId, FilmDesc, IntegratorDesc, MediumId, SamplerDesc};
-use emitter::Lights;
+use emitter::{Emission, Lights};
 use medium::Medium;
 use sensor::Sensor;
 use shape::{Geometry, SurfacePoint};
@@ -46,6 +46,8 @@ pub struct Scene {
     pub integrator: IntegratorDesc,
     media: Vec<Medium>,
     attachments: Vec<Attachments>,
+    /// By emitter, the medium in which its light starts; empty without media.
+    emission_media: Vec<Option<MediumId>>,
     notes: Vec<String>,
 }
 
@@ -134,6 +136,14 @@ impl Scene {
             return current;
         }
         if direction.dot(point.normal) > 0.0 { attached.exterior } else { attached.interior }
+    }
+
+    /// Light that leaves an emitter, as [`Lights::sample_emission`] has it, and the medium in which it starts.
+    #[inline]
+    pub fn sample_emission(&self, choice: f32, u_position: Vec2, u_direction: Vec2) -> Option<Emission> {
+        let emission = self.lights.sample_emission(choice, u_position, u_direction)?;
+        let medium = self.emission_media.get(emission.emitter.0 as usize).copied().flatten();
+        Some(Emission { medium, ..emission })
     }
 
     /// What BSDFs need to know of a point.

@@ -1,6 +1,7 @@
 //! A shape that emits.
 
 use super::bound::LightBound;
+use super::emission::textured_power;
 use super::error::{EmitterProblem, texture};
 use super::shapes;
 use crate::Spectrum;
@@ -8,7 +9,7 @@ use crate::math::Vec3;
 use crate::scene::desc::AreaEmitterDesc;
 use crate::scene::shape::Geometry;
 use crate::scene::texture::{Texture, TexturePoint};
-use std::f32::consts::FRAC_PI_2;
+use std::f32::consts::{FRAC_PI_2, PI};
 
 /// A shape that emits on the side of its geometric normal, the same radiance in all directions.
 #[derive(Debug)]
@@ -43,6 +44,17 @@ impl Area {
     /// Where it is, how bright and whither.
     pub fn bound(&self) -> LightBound {
         self.bound
+    }
+
+    /// Power, W.
+    pub fn power(&self, geometry: &Geometry) -> Spectrum {
+        let white = Spectrum::grey(PI * geometry.area(self.shape));
+        textured_power(&self.radiance, white, |u| {
+            let point = geometry.sample_area(self.shape, u);
+            let radiance =
+                |(point, _)| self.radiance.eval(&TexturePoint::on_emitter(&point, geometry.mesh(self.shape)));
+            white * point.map_or(Spectrum::ZERO, radiance)
+        })
     }
 
     /// Radiance that leaves a point of the shape towards the unit vector `direction`, W/(m^2 sr).

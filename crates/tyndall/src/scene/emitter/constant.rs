@@ -29,7 +29,7 @@ impl Constant {
     }
 
     /// Fluence rate that it causes, W/m^2.
-    pub fn fluence(&self) -> f32 {
-        4.0 * PI * self.radiance.mean()
+    pub fn fluence(&self) -> Spectrum {
+        4.0 * PI * self.radiance
     }
 }

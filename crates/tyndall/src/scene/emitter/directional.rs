@@ -24,7 +24,7 @@ impl Directional {
     }
 
     /// Fluence rate that it causes, W/m^2.
-    pub fn fluence(&self) -> f32 {
-        self.irradiance.mean()
+    pub fn fluence(&self) -> Spectrum {
+        self.irradiance
     }
 }

@@ -27,6 +27,7 @@ pub struct Envmap {
     column_cdf: Vec<f32>,
     /// Integral of the density's weight over the sphere.
     total: f32,
+    fluence: Spectrum,
 }
 
 impl Envmap {
@@ -49,6 +50,7 @@ impl Envmap {
             row_cdf: Vec::with_capacity(patches + 1),
             column_cdf: Vec::with_capacity(patches * (width + 1)),
             total: 0.0,
+            fluence: fluence(image, scale),
         };
         let mut rows = vec![0.0];
         for j in 0..patches {
@@ -67,8 +69,8 @@ impl Envmap {
     }
 
     /// Fluence rate that it causes, W/m^2.
-    pub fn fluence(&self) -> f32 {
-        self.total * self.scale
+    pub fn fluence(&self) -> Spectrum {
+        self.fluence
     }
 
     /// Radiance that arrives along a ray leaving the scene towards `direction`.
@@ -136,6 +138,28 @@ impl Envmap {
     fn corners(&self, column: usize, row: usize) -> [f32; 4] {
         self.pixels(column, row).map(|p| Spectrum::from_rgb(self.image.pixels[p]).mean())
     }
+}
+
+/// Integral of the radiance over the sphere, exact: over the azimuth a pixel counts by its width, over the polar angle by
+/// the sine times its tent.
+fn fluence(image: &ImageDesc, scale: f32) -> Spectrum {
+    let patches = (image.height - 1).max(1);
+    let step = std::f64::consts::PI / patches as f64;
+    let row_sum = |j: usize, c: usize| {
+        let row = &image.pixels[j * image.width..][..image.width];
+        row.iter().map(|pixel| f64::from(pixel[c])).sum::<f64>()
+    };
+    let mut sum = [0.0; Spectrum::CHANNELS];
+    for j in 0..patches {
+        let [(sin0, cos0), (sin1, cos1)] = [j, j + 1].map(|j| (step * j as f64).sin_cos());
+        let below = (sin1 - sin0) / step - cos1;
+        let above = cos0 - cos1 - below;
+        for (c, sum) in sum.iter_mut().enumerate() {
+            *sum += above * row_sum(j, c) + below * row_sum((j + 1).min(image.height - 1), c);
+        }
+    }
+    let factor = f64::from(scale) * std::f64::consts::TAU / image.width as f64;
+    Spectrum::from_rgb(sum.map(|sum| (sum * factor) as f32))
 }
 
 /// A position in the picture.

@@ -5,6 +5,7 @@
 //! here includes the probability of the first step.
 
 use super::area::Area;
+use super::emission::EmissionTable;
 use super::error::{EmitterError, EmitterProblem, number};
 use super::shapes;
 use super::tree::LightTree;
@@ -71,10 +72,11 @@ pub struct Lights {
     infinite: Vec<(EmitterId, f32)>,
     /// By shape, the emitter it is.
     of_shape: Vec<Option<EmitterId>>,
-    geometry: Arc<Geometry>,
+    pub(super) geometry: Arc<Geometry>,
     /// Sphere around the scene, metres.
-    centre: Vec3,
+    pub(super) centre: Vec3,
     radius: f32,
+    pub(super) emission: EmissionTable,
 }
 
 impl Lights {
@@ -125,7 +127,8 @@ impl Lights {
         let bounds = geometry.bounds();
         let (centre, radius) =
             if bounds.is_empty() { (Vec3::ZERO, 1.0) } else { (bounds.centre(), 0.5 * bounds.extent().length()) };
-        Ok(Self { emitters, tree, infinite, of_shape, geometry, centre, radius })
+        let emission = EmissionTable::new(&emitters, &weights, &geometry, centre, radius);
+        Ok(Self { emitters, tree, infinite, of_shape, geometry, centre, radius, emission })
     }
 
     /// The emitters; their indices are the ids.

@@ -4,6 +4,7 @@ pub mod area;
 pub mod bound;
 pub mod constant;
 pub mod directional;
+pub mod emission;
 pub mod envmap;
 pub mod error;
 pub mod lights;
@@ -16,6 +17,7 @@ pub mod tree;
 pub use area::Area;
 pub use constant::Constant;
 pub use directional::Directional;
+pub use emission::Emission;
 pub use envmap::Envmap;
 pub use error::EmitterError;
 pub use lights::{EmitterSample, LightPoint, Lights};
@@ -85,9 +87,9 @@ impl Emitter {
             Self::Point(point) => Reach::Finite(point.bound()),
             Self::Spot(spot) => Reach::Finite(spot.bound()),
             Self::Projector(projector) => Reach::Finite(projector.bound()),
-            Self::Directional(directional) => Reach::Infinite(directional.fluence()),
-            Self::Constant(constant) => Reach::Infinite(constant.fluence()),
-            Self::Envmap(envmap) => Reach::Infinite(envmap.fluence()),
+            Self::Directional(directional) => Reach::Infinite(directional.fluence().mean()),
+            Self::Constant(constant) => Reach::Infinite(constant.fluence().mean()),
+            Self::Envmap(envmap) => Reach::Infinite(envmap.fluence().mean()),
         }
     }
 

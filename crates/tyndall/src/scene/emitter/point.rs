@@ -1,10 +1,12 @@
 //! An isotropic point.
 
 use super::bound::LightBound;
+use super::emission::Departure;
 use super::error::{EmitterProblem, colour};
 use crate::Spectrum;
-use crate::math::{Transform, Vec3};
+use crate::math::{PerSolidAngle, Transform, Vec2, Vec3, warp};
 use crate::scene::desc::Rgb;
+use std::f32::consts::PI;
 
 /// A point that sends the same radiant intensity everywhere.
 #[derive(Clone, Copy, Debug)]
@@ -24,6 +26,19 @@ impl Point {
     /// Where it is and how bright.
     pub fn bound(&self) -> LightBound {
         LightBound::omnidirectional(self.position, self.intensity.mean())
+    }
+
+    /// Light that leaves in a direction uniform on the sphere.
+    #[inline]
+    pub fn emit(&self, u: Vec2) -> Departure {
+        let density = PerSolidAngle(0.25 / PI);
+        Departure { direction: warp::square_to_sphere(u), flux: self.power(), density }
+    }
+
+    /// Power, W.
+    #[inline]
+    pub fn power(&self) -> Spectrum {
+        4.0 * PI * self.intensity
     }
 }
 

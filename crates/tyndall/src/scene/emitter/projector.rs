@@ -1,9 +1,10 @@
 //! A picture projected from a point.
 
 use super::bound::LightBound;
+use super::emission::{Departure, textured_power};
 use super::error::{EmitterProblem, conformal, number, texture};
 use crate::Spectrum;
-use crate::math::{Aabb, Affine, Transform, Vec2, Vec3};
+use crate::math::{Aabb, Affine, PerSolidAngle, Transform, Vec2, Vec3};
 use crate::scene::desc::TextureDesc;
 use crate::scene::texture::{Texture, TexturePoint};
 use std::f32::consts::PI;
@@ -56,6 +57,30 @@ impl Projector {
         }
         let uv = 0.5 * (Vec2::ONE - at);
         self.irradiance.eval(&TexturePoint::at_uv(uv)) * (self.scale / (d.z * d.z * d.z))
+    }
+
+    /// Light that leaves towards a point uniform on the picture.
+    #[inline]
+    pub fn emit(&self, u: Vec2) -> Departure {
+        let d = ((2.0 * u - Vec2::ONE) * self.half_size).extend(1.0).normalize();
+        let texture = self.irradiance.eval(&TexturePoint::at_uv(Vec2::ONE - u));
+        Departure {
+            direction: self.to_world.vector(d).normalize(),
+            flux: texture * (self.scale * self.area()),
+            density: PerSolidAngle(1.0 / (self.area() * d.z * d.z * d.z)),
+        }
+    }
+
+    /// Power, W.
+    pub fn power(&self) -> Spectrum {
+        let white = Spectrum::grey(self.scale * self.area());
+        textured_power(&self.irradiance, white, |u| self.emit(u).flux)
+    }
+
+    /// Area of the picture at distance 1.
+    #[inline]
+    fn area(&self) -> f32 {
+        4.0 * self.half_size.x * self.half_size.y
     }
 
     /// Where it is, how bright and whither.

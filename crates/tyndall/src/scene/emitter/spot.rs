@@ -1,11 +1,13 @@
 //! A point with a cone.
 
 use super::bound::LightBound;
+use super::emission::{Departure, textured_power};
 use super::error::{EmitterProblem, colour, conformal, number, texture};
 use crate::Spectrum;
-use crate::math::{Aabb, Affine, Transform, Vec2, Vec3};
+use crate::math::{Aabb, Affine, PerSolidAngle, Transform, Vec2, Vec3};
 use crate::scene::desc::{Rgb, TextureDesc};
 use crate::scene::texture::{Texture, TexturePoint};
+use std::f64::consts::TAU;
 
 /// A point with a cone about +z: full intensity up to the beam width, then linear in the angle down to the cutoff.
 #[derive(Debug)]
@@ -57,12 +59,63 @@ impl Spot {
         let factor = if angle > self.beam { (self.cutoff - angle) / (self.cutoff - self.beam) } else { 1.0 };
         match &self.texture {
             None => self.intensity * factor,
-            Some(texture) => {
-                let half_width = d.z * self.cutoff.tan();
-                let uv = 0.5 * (Vec2::ONE + Vec2::new(d.x, d.y) / half_width);
-                self.intensity * texture.eval(&TexturePoint::at_uv(uv)) * factor
-            }
+            Some(texture) => self.intensity * self.look_up(texture, d) * factor,
         }
+    }
+
+    /// The texture towards the local vector `d`.
+    #[inline]
+    fn look_up(&self, texture: &Texture, d: Vec3) -> Spectrum {
+        let half_width = d.z * self.cutoff.tan();
+        let uv = 0.5 * (Vec2::ONE + Vec2::new(d.x, d.y) / half_width);
+        texture.eval(&TexturePoint::at_uv(uv))
+    }
+
+    /// Light that leaves in a direction of the cone.
+    ///
+    /// The density is even up to the beam width. Then it falls linearly in the cosine to zero at the cutoff, which keeps
+    /// the intensity over the density within a factor of two; only cones wider than a hemisphere, where it would not, are
+    /// even to the end.
+    #[inline]
+    pub fn emit(&self, u: Vec2) -> Departure {
+        let (beam, cutoff) = (f64::from(self.beam), f64::from(self.cutoff));
+        // One minus the cosine, which keeps narrow cones accurate.
+        let fall = |angle: f64| 2.0 * (0.5 * angle).sin().powi(2);
+        let (inner, outer) = (fall(beam), fall(cutoff));
+        let falls = outer <= 1.0;
+        let rim = if falls { 0.5 * (outer - inner) } else { outer - inner };
+        let x = f64::from(u.x) * (inner + rim);
+        let (fall, density, factor) = if x < inner {
+            (x, 1.0, 1.0)
+        } else {
+            let rest = 1.0 - (x - inner) / rim;
+            let height = if falls { rest.sqrt() } else { rest };
+            let fall = outer - height * (outer - inner);
+            let angle = 2.0 * (0.5 * fall).sqrt().min(1.0).asin();
+            let factor = ((cutoff - angle) / (cutoff - beam)).clamp(0.0, 1.0);
+            (fall, if falls { height } else { 1.0 }, factor)
+        };
+        let sin = (fall * (2.0 - fall)).max(0.0).sqrt();
+        let (sin_phi, cos_phi) = (TAU * f64::from(u.y)).sin_cos();
+        let d = Vec3::new((sin * cos_phi) as f32, (sin * sin_phi) as f32, (1.0 - fall) as f32);
+        let solid_angle = TAU * (inner + rim) / density;
+        let texture = self.texture.as_ref().map_or(Spectrum::ONE, |texture| self.look_up(texture, d));
+        Departure {
+            direction: self.to_world.vector(d).normalize(),
+            flux: self.intensity * texture * (factor * solid_angle) as f32,
+            density: PerSolidAngle((1.0 / solid_angle) as f32),
+        }
+    }
+
+    /// Power, W.
+    pub fn power(&self) -> Spectrum {
+        // The integral of the intensity is 2 pi (1 - (sin c - sin b) / (c - b)), here without a difference of sines.
+        let (beam, cutoff) = (f64::from(self.beam), f64::from(self.cutoff));
+        let (middle, half) = (0.5 * (cutoff + beam), 0.5 * (cutoff - beam));
+        let sinc = if half > 0.0 { half.sin() / half } else { 1.0 };
+        let solid_angle = TAU * (2.0 * (0.5 * middle).sin().powi(2) + middle.cos() * (1.0 - sinc));
+        let white = self.intensity * solid_angle as f32;
+        self.texture.as_ref().map_or(white, |texture| textured_power(texture, white, |u| self.emit(u).flux))
     }
 
     /// Where it is, how bright and whither.

@@ -291,7 +291,7 @@ impl From<Point> for LocalPoint {
 /// Positions are computed in double precision, so what matters is rounding to `f32`: of the position (at most sqrt(3)
 /// half-units) and of the start that [`SurfacePoint::leave`] moves off it (as many again). The tests along the new ray
 /// are exact about the side of the surface on which it starts.
-fn rounding(p: DVec3) -> f64 {
+pub(super) fn rounding(p: DVec3) -> f64 {
     8.0 * 0.5 * f32::EPSILON as f64 * p.abs().max_element()
 }
 

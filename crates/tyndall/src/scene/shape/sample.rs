@@ -1,8 +1,9 @@
 //! Points on shapes, for emitters.
 
+use super::geometry::rounding;
 use super::quadric::{Point, Sphere};
 use super::{Form, Geometry, Mesh};
-use crate::math::random::{hash32, unit_f32};
+use crate::math::random::more_bits;
 use crate::math::{PerArea, PerSolidAngle, Vec2, Vec3, warp};
 use glam::DVec3;
 use std::f64::consts::TAU;
@@ -112,16 +113,24 @@ impl Geometry {
         Some((point, self.area_pdf(shape)))
     }
 
+    /// The start of a ray that leaves an emitting shape at `point`, moved off the surface to the side of the normal like
+    /// [`SurfacePoint::leave`](super::SurfacePoint::leave).
+    #[inline]
+    pub fn leave_emitter(&self, shape: u32, point: &AreaPoint) -> Vec3 {
+        let mut position = point.position.as_dvec3();
+        if let Form::Mesh(mesh) = self.form(shape) {
+            position = mesh.meet(point.triangle, point.barycentrics, rounding(position)).position;
+        }
+        position.as_vec3() + rounding(position) as f32 * point.normal
+    }
+
     /// A triangle of an emitting mesh with probability proportional to its area, and the number that is left of `u`.
     #[inline]
     fn choose_triangle(&self, shape: u32, u: Vec2) -> Option<(u32, Vec2)> {
         let cumulative = &self.shapes[shape as usize].cumulative;
         let total = cumulative.last().copied().filter(|area| *area > 0.0)?;
-        let mut x = u.x as f64;
-        if cumulative.len() > 64 {
-            // 24 random bits are used up by the choice among many triangles: hash some more below them.
-            x += unit_f32(hash32(u.x.to_bits() ^ hash32(u.y.to_bits()))) as f64 / 16_777_216.0;
-        }
+        // 24 random bits are used up by the choice among many triangles.
+        let x = if cumulative.len() > 64 { more_bits(u.x, u.y) } else { u.x as f64 };
         let x = x * total;
         let index = cumulative.partition_point(|sum| *sum <= x).min(cumulative.len() - 1);
         let below = if index == 0 { 0.0 } else { cumulative[index - 1] };

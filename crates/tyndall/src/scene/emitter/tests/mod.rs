@@ -1,6 +1,8 @@
 //! Tests of the emitters.
 
 mod density;
+mod emission;
+mod emission_medium;
 mod error;
 mod irradiance;
 mod oracle;

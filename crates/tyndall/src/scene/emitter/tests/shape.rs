@@ -10,6 +10,8 @@ use std::sync::Arc;
 pub enum Form {
     /// Corner and two edges; the normal is their cross product.
     Parallelogram(Vec3, Vec3, Vec3),
+    /// The square [-1, 1]^2 at z = 0, facing +z, with texture coordinates.
+    Rectangle,
     /// Centre and radius.
     Sphere(Vec3, f32),
     /// Centre and radius; emits inwards.
@@ -33,6 +35,7 @@ impl Form {
                 ..MeshDesc::default()
             })),
             Self::Sphere(c, r) | Self::Shell(c, r) => sphere(c, r),
+            Self::Rectangle => GeometryDesc::Rectangle,
             Self::Disk => GeometryDesc::Disk,
             Self::Tube => GeometryDesc::Cylinder { p0: [0.0; 3], p1: [0.0, 0.0, 1.0], radius: 0.5 },
             Self::Cube => GeometryDesc::Cube,
