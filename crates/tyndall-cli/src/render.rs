@@ -57,7 +57,7 @@ pub(crate) fn run(args: &args::Render) -> Result<ExitCode, Failure> {
     interrupt::watch(console.level > Level::Quiet);
     let (name, seed, threads) = (&rendering.integrator().name, rendering.seed(), rendering.threads());
     console.say(format_args!("rendering {width}x{height} pixels with {name}, seed {seed}, {threads} threads"));
-    let interrupted = spend(&mut rendering, budget, pixels, checkpoints.as_mut(), console);
+    let interrupted = spend(&mut rendering, budget, pixels, checkpoints.as_mut(), console)?;
     outputs.write(&rendering, args)?;
     if let Some(checkpoints) = &mut checkpoints {
         if interrupted { checkpoints.write(&rendering)? } else { checkpoints.remove()? }
@@ -96,10 +96,10 @@ fn spend(
     pixels: f64,
     mut checkpoints: Option<&mut Checkpoints>,
     console: Console,
-) -> bool {
+) -> Result<bool, Failure> {
     let mut progress = Progress::new(console, pixels);
     let mut interrupted = false;
-    rendering.run(budget, |rendering, state| {
+    let run = rendering.run(budget, |rendering, state| {
         progress.show(&state);
         if let Some(checkpoints) = &mut checkpoints
             && let Err(error) = checkpoints.tick(rendering)
@@ -111,7 +111,8 @@ fn spend(
         if interrupted { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     progress.end();
-    interrupted
+    run.map_err(Failure::other)?;
+    Ok(interrupted)
 }
 
 /// Says what there is now.

@@ -14,7 +14,7 @@ fn compare(scene: &Path, passes: u32, mean: &Path, variance: &Path, samples: Opt
     let loaded = mitsuba::read(scene, &mitsuba::Options::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
     let scene = Scene::build(&loaded.scene).unwrap_or_else(|e| panic!("{name}: {e}"));
     let mut rendering = Rendering::new(&scene, &Settings { seed: Some(2), ..Settings::default() }).unwrap();
-    rendering.add_passes(passes);
+    rendering.add_passes(passes).unwrap();
     assert_eq!(rendering.rare_events().non_finite, 0, "{name}");
     let ours = rendering.picture();
     let per_sample: Vec<f32> = ours.variance.as_flattened().iter().map(|v| v * passes as f32).collect();

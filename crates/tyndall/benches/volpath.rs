@@ -103,7 +103,7 @@ fn paths(criterion: &mut Criterion) {
         group.bench_function(name, |b| {
             b.iter(|| {
                 let mut rendering = Rendering::new(&scene, &settings).unwrap();
-                rendering.run(Budget::Passes(4), |_, _| std::ops::ControlFlow::Continue(()));
+                rendering.run(Budget::Passes(4), |_, _| std::ops::ControlFlow::Continue(())).unwrap();
                 rendering.picture()
             });
         });

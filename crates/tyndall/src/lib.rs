@@ -12,7 +12,7 @@
 //! desc.emitters.push(EmitterDesc::new("sky", EmitterKind::Constant { radiance: [1.0; 3] }));
 //! let scene = Scene::build(&desc)?;
 //! let mut rendering = Rendering::new(&scene, &Settings::default())?;
-//! rendering.run(Budget::Passes(4), |_, _| std::ops::ControlFlow::Continue(()));
+//! rendering.run(Budget::Passes(4), |_, _| std::ops::ControlFlow::Continue(()))?;
 //! assert_eq!(rendering.picture().as_slice().len(), 32 * 24 * 3); // linear sRGB, row 0 at the top
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -22,14 +22,15 @@
 //!
 //! # The rooms
 //!
-//! Each module may use those before it: [`math`], [`accel`] and [`film`], [`scene`], [`walk`], [`estimators`],
-//! [`integrators`], [`render`].
+//! Each module may use those before it: [`math`], [`accel`] and [`film`], [`scene`], [`walk`], [`photons`],
+//! [`estimators`], [`integrators`], [`render`].
 
 pub mod accel;
 pub mod estimators;
 pub mod film;
 pub mod integrators;
 pub mod math;
+pub mod photons;
 pub mod render;
 pub mod scene;
 mod spectrum;

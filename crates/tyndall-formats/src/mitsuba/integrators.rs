@@ -48,6 +48,7 @@ impl IntegratorSource {
                     advise(name, "parameters", &known).or_else(|| Some("it has no parameters".into())),
                 )
             }
+            ParameterError::Components { .. } => self.name.error(error.to_string()),
             ParameterError::WrongKind { name, .. } | ParameterError::OutOfRange { name, .. } => {
                 parameter(name).map_or(&self.name, |p| &p.value_place).error(error.to_string())
             }

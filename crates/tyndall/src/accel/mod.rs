@@ -2,7 +2,9 @@
 
 mod build;
 pub mod bvh;
+pub mod curve;
 pub mod triangle;
 
 pub use bvh::{Bvh, Visit};
+pub use curve::CurveBuilder;
 pub use triangle::{TrianglePacket, TriangleRay};

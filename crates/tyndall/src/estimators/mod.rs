@@ -1,4 +1,16 @@
 //! Bringing light and camera together.
+//!
+//! Light's walks leave data (points, beams, planes), the camera's walks supply queries (points, beams). An estimator
+//! says where one meets the other; what then happens is written once, here and in [`transport`]. With the dimensions Q of
+//! the query, D of the datum and J of the blur, `Q + D + J - 3` one-dimensional integrals are left to be sampled (on
+//! surfaces 2 stands for 3). A negative number means unresolved delta functions: such a pair does not compile.
 
 pub mod equiangular;
+pub mod gather;
+pub mod merge;
+pub mod query;
 pub mod transport;
+
+pub use gather::gather;
+pub use merge::{Meet, Merge};
+pub use query::{BeamQuery, PointQuery, Query, SurfaceQuery};

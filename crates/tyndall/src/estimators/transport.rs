@@ -1,11 +1,12 @@
 //! The physics of scattering at a vertex, written once.
 
 use crate::Spectrum;
-use crate::math::{PerSolidAngle, Vec3};
+use crate::math::{PerSolidAngle, Ray, Rng, Vec3};
 use crate::scene::Scene;
 use crate::scene::bsdf::Transport;
 use crate::scene::desc::MediumId;
-use crate::walk::{Scattering, Vertex};
+use crate::scene::emitter::EmitterSample;
+use crate::walk::{Scattering, Vertex, passage};
 
 /// What a vertex does with light that leaves it along a given direction.
 #[derive(Clone, Copy, Debug)]
@@ -51,4 +52,31 @@ pub fn samples_emitters(scene: &Scene, vertex: &Vertex) -> bool {
         Scattering::Medium { medium } => scene.medium(*medium).sample_emitters(),
         Scattering::Surface { point, .. } => scene.is_smooth(point.shape),
     }
+}
+
+/// Radiance that arrives at `origin` from the sampled emitter, not divided by any density, and the survival of its passage (see
+/// [`Passage`](crate::walk::Passage)); `None` when nothing arrives. Without `media` every surface blocks.
+#[inline]
+pub fn connect(
+    scene: &Scene,
+    origin: Vec3,
+    light: &EmitterSample,
+    medium: Option<MediumId>,
+    media: bool,
+    rng: &mut Rng,
+) -> Option<(Spectrum, f32)> {
+    let ray = Ray { origin, direction: light.direction };
+    // Short of the emitter itself.
+    let passage = passage(scene, ray, light.distance * (1.0 - 1e-4), medium, media, rng)?;
+    Some((light.radiance * passage.transmittance, passage.survival))
+}
+
+/// The BSDF (1/sr) at the camera's `vertex` for light that arrives along the unit vector `direction`, whose density on the
+/// surface already contains the geometric cosine; zero at vertices in media.
+#[inline]
+pub fn respond_to_light(scene: &Scene, vertex: &Vertex, direction: Vec3) -> Spectrum {
+    let Scattering::Surface { point, .. } = &vertex.scattering else { return Spectrum::ZERO };
+    let cos = direction.dot(point.normal).abs();
+    // A photon's packed direction may lie in the surface.
+    if cos < 1e-6 { Spectrum::ZERO } else { respond(scene, vertex, -direction).value / cos }
 }

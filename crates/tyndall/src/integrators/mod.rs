@@ -1,13 +1,20 @@
 //! Named algorithms: the one registry.
 
+pub mod components;
+mod composite;
 pub mod parameters;
 pub mod path;
+mod photon_mapping;
 pub mod volpath;
 
+use crate::Spectrum;
 use crate::film::pixels::{PixelSum, Tile};
+use crate::math::{Sampler, Vec2};
+use crate::photons::TraceError;
 use crate::scene::Scene;
 use crate::scene::desc::IntegratorDesc;
 pub use parameters::{ParameterError, ParameterInfo, ParameterKind, Parameters};
+use photon_mapping::registry;
 use std::ops::Range;
 
 /// What a tile is rendered with.
@@ -33,6 +40,12 @@ pub trait Integrator: Send + Sync {
     /// What a user should know before rendering `scene`, one line each.
     fn warnings(&self, scene: &Scene) -> Vec<String>;
 
+    /// Makes what the pixels of pass number `pass` share: light paths, if there are any. Answers how many passes from this
+    /// one on it serves. Called in the thread pool, before the tiles.
+    fn prepare(&mut self, _scene: &Scene, _seed: u64, _pass: u32) -> Result<u32, TraceError> {
+        Ok(u32::MAX)
+    }
+
     /// Adds the job's passes to the tile's pixels. The result depends on the job alone.
     fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum]) -> RareEvents;
 }
@@ -53,7 +66,21 @@ pub struct IntegratorInfo {
 }
 
 /// Every integrator.
-pub static REGISTRY: &[IntegratorInfo] = &[volpath::INFO, path::PATH, path::DIRECT];
+pub static REGISTRY: &[IntegratorInfo] = &[
+    volpath::INFO,
+    path::PATH,
+    path::DIRECT,
+    registry::PHOTONMAP,
+    registry::VPM,
+    registry::BRE,
+    registry::BEAMS,
+    registry::PLANES,
+    registry::PPM,
+    registry::PVPM,
+    registry::PBRE,
+    registry::PPB,
+    composite::INFO,
+];
 
 /// The entry called `name`, also by an alias.
 pub fn find(name: &str) -> Option<&'static IntegratorInfo> {
@@ -67,4 +94,36 @@ pub fn make(desc: &IntegratorDesc) -> Result<Box<dyn Integrator>, ParameterError
         return Err(ParameterError::UnknownIntegrator { name: desc.name.clone(), known });
     };
     (info.make)(&Parameters::new(info.name, info.parameters, desc)?)
+}
+
+/// Adds one sample of `radiance` per pass to every pixel of the tile: its argument is a position on the whole film, in
+/// pixels.
+#[inline(always)]
+fn sample_pixels(
+    scene: &Scene,
+    job: &Job,
+    pixels: &mut [PixelSum],
+    mut radiance: impl FnMut(Vec2, &mut Sampler) -> Spectrum,
+) -> RareEvents {
+    let mut rare = RareEvents::default();
+    let (crop_x, crop_y) = scene.crop_origin();
+    let width = u64::from(scene.film.width);
+    for (i, sum) in pixels.iter_mut().enumerate() {
+        let x = crop_x + job.tile.x + i as u32 % job.tile.width;
+        let y = crop_y + job.tile.y + i as u32 / job.tile.width;
+        for pass in job.passes.clone() {
+            // Keyed by the pixel of the whole film: a crop shows the same samples.
+            let mut sampler = Sampler::new(job.seed, u64::from(y) * width + u64::from(x), pass);
+            let (offset, weight) = scene.filter.sample(sampler.vec2());
+            let position = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + offset;
+            let radiance = weight * radiance(position, &mut sampler);
+            if radiance.is_finite() {
+                sum.add(radiance);
+            } else {
+                rare.non_finite += 1;
+                sum.add(Spectrum::ZERO);
+            }
+        }
+    }
+    rare
 }

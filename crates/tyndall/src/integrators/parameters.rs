@@ -13,6 +13,10 @@ pub enum ParameterKind {
     Boolean,
     /// A word.
     Text,
+    /// One of a few words.
+    Choice(&'static [&'static str]),
+    /// A size of memory in bytes, possibly with K, M or G.
+    Bytes,
 }
 
 impl std::fmt::Display for ParameterKind {
@@ -22,6 +26,8 @@ impl std::fmt::Display for ParameterKind {
             Self::Float => "a number",
             Self::Boolean => "true or false",
             Self::Text => "a word",
+            Self::Choice(words) => return write!(f, "one of {}", words.join(", ")),
+            Self::Bytes => "a size such as 512M or 4G",
         })
     }
 }
@@ -61,6 +67,12 @@ pub enum ParameterError {
         name: String,
         /// What there is.
         known: String,
+    },
+    /// Components are taken twice or not at all.
+    #[error("`composite`: {what}")]
+    Components {
+        /// Which.
+        what: String,
     },
     /// The value is of the wrong kind.
     #[error("parameter `{name}` of `{integrator}` is {expected}, found `{found}`")]
@@ -104,6 +116,10 @@ impl<'a> Parameters<'a> {
         desc: &'a IntegratorDesc,
     ) -> Result<Self, ParameterError> {
         for (name, value) in &desc.parameters {
+            // `part.parameter` is checked by the part, which must be one of the declared names.
+            if name.split_once('.').is_some_and(|(part, _)| declared.iter().any(|info| info.name == part)) {
+                continue;
+            }
             let Some(info) = declared.iter().find(|info| info.name == name) else {
                 let known = declared.iter().map(|info| info.name).collect::<Vec<_>>().join(", ");
                 return Err(ParameterError::UnknownParameter { integrator, name: name.clone(), known });
@@ -124,12 +140,61 @@ impl<'a> Parameters<'a> {
             .expect("kinds were checked, defaults parse")
     }
 
+    /// The parameters given as `part.name`.
+    pub fn nested(&self, part: &str) -> Vec<(String, ParameterValue)> {
+        let of_part = |name: &str| name.strip_prefix(part)?.strip_prefix('.').map(str::to_string);
+        self.given.iter().filter_map(|(name, value)| Some((of_part(name)?, value.clone()))).collect()
+    }
+
+    /// Whether the integrator has the parameter.
+    pub fn declares(&self, name: &str) -> bool {
+        self.declared.iter().any(|info| info.name == name)
+    }
+
+    /// A size of memory, bytes.
+    pub fn bytes(&self, name: &'static str) -> u64 {
+        self.integer(name) as u64
+    }
+
     /// A whole number.
     pub fn integer(&self, name: &'static str) -> i64 {
         match self.value(name) {
             ParameterValue::Integer(value) => value,
             other => unreachable!("`{name}` is not a whole number: {other:?}"),
         }
+    }
+
+    /// A number.
+    pub fn float(&self, name: &'static str) -> f64 {
+        match self.value(name) {
+            ParameterValue::Float(value) => value,
+            other => unreachable!("`{name}` is not a number: {other:?}"),
+        }
+    }
+
+    /// A word.
+    pub fn text(&self, name: &'static str) -> String {
+        match self.value(name) {
+            ParameterValue::Text(value) => value,
+            other => unreachable!("`{name}` is not a word: {other:?}"),
+        }
+    }
+
+    /// A whole number that is not too large to count with and at least `least`.
+    pub fn count(&self, name: &'static str, least: u32, expected: &'static str) -> Result<u32, ParameterError> {
+        let value = u32::try_from(self.integer(name)).ok().filter(|n| (least..u32::MAX - 2).contains(n));
+        value.ok_or_else(|| self.out_of_range(name, expected))
+    }
+
+    /// A number in a range that `expected` describes.
+    pub fn number(
+        &self,
+        name: &'static str,
+        allowed: impl Fn(f32) -> bool,
+        expected: &'static str,
+    ) -> Result<f32, ParameterError> {
+        let value = self.float(name) as f32;
+        if value.is_finite() && allowed(value) { Ok(value) } else { Err(self.out_of_range(name, expected)) }
     }
 
     /// Yes or no.
@@ -151,15 +216,36 @@ fn convert(value: &ParameterValue, kind: ParameterKind) -> Option<ParameterValue
     use ParameterValue as V;
     Some(match (kind, value) {
         (ParameterKind::Integer, V::Integer(i)) => V::Integer(*i),
-        (ParameterKind::Integer, V::Text(t)) => V::Integer(t.trim().parse().ok()?),
+        (ParameterKind::Integer, V::Text(t)) => V::Integer(whole(t.trim())?),
         (ParameterKind::Float, V::Integer(i)) => V::Float(*i as f64),
         (ParameterKind::Float, V::Float(f)) => V::Float(*f),
         (ParameterKind::Float, V::Text(t)) => V::Float(t.trim().parse().ok().filter(|f: &f64| f.is_finite())?),
         (ParameterKind::Boolean, V::Boolean(b)) => V::Boolean(*b),
         (ParameterKind::Boolean, V::Text(t)) => V::Boolean(t.trim().to_ascii_lowercase().parse().ok()?),
         (ParameterKind::Text, V::Text(t)) => V::Text(t.clone()),
+        (ParameterKind::Choice(words), V::Text(t)) => V::Text(words.iter().find(|w| **w == t.trim())?.to_string()),
+        (ParameterKind::Bytes, V::Integer(i)) => V::Integer(*i),
+        (ParameterKind::Bytes, V::Text(t)) => V::Integer(bytes(t.trim())?),
         _ => return None,
     })
+}
+
+/// A whole number, also as 1e6.
+fn whole(text: &str) -> Option<i64> {
+    let exact = |f: &f64| f.fract() == 0.0 && f.abs() <= 9e15;
+    text.parse().ok().or_else(|| text.parse::<f64>().ok().filter(exact).map(|f| f as i64))
+}
+
+/// A size with a unit of powers of 1024.
+fn bytes(text: &str) -> Option<i64> {
+    let (digits, unit) = match text.to_ascii_uppercase().trim_end_matches('B') {
+        t if t.ends_with('K') => (t.trim_end_matches('K').to_string(), 10),
+        t if t.ends_with('M') => (t.trim_end_matches('M').to_string(), 20),
+        t if t.ends_with('G') => (t.trim_end_matches('G').to_string(), 30),
+        t => (t.to_string(), 0),
+    };
+    let size = digits.trim().parse::<f64>().ok()? * f64::from(1u32 << unit);
+    (1.0..9e15).contains(&size).then_some(size as i64)
 }
 
 fn text(value: &ParameterValue) -> String {

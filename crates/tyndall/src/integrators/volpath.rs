@@ -9,11 +9,12 @@
 //! - free flight, then the phase function hits the emitter: `p_flight(t) p_phase(w) P`, `P` the probability of arriving;
 //! - a point on an emitter, then the distance by equiangular sampling: `q p_equiangular(t | y) p_segment(y)`.
 
+use super::components::{Components, History};
 use super::parameters::{ParameterError, Parameters};
-use super::{Integrator, IntegratorInfo, Job, ParameterInfo, RareEvents, path};
+use super::{Integrator, IntegratorInfo, Job, ParameterInfo, RareEvents, path, sample_pixels};
 use crate::Spectrum;
 use crate::estimators::equiangular::Equiangular;
-use crate::estimators::transport::{Response, departure, respond, samples_emitters};
+use crate::estimators::transport::{Response, connect, departure, respond, samples_emitters};
 use crate::film::pixels::PixelSum;
 use crate::math::{PerLength, PerSolidAngle, Ray, Sampler, Vec2, Vec3};
 use crate::scene::Scene;
@@ -21,7 +22,7 @@ use crate::scene::desc::MediumId;
 use crate::scene::emitter::{EmitterId, EmitterSample};
 use crate::scene::medium::Extinction;
 use crate::walk::flight::Uniform;
-use crate::walk::{Escape, Rules, Scattering, Segment, Sink, Start, SurfaceHit, Vertex, passage, walk};
+use crate::walk::{Escape, FromCamera, Media, Onward, Rules, Scattering, Segment, Sink, Start, SurfaceHit, Vertex, walk};
 
 /// Parameters that path tracers share.
 pub mod common {
@@ -57,6 +58,9 @@ pub mod common {
 /// distances.
 const EQUIANGULAR_SHARE: f32 = 0.5;
 
+/// Largest probability of surviving Russian roulette, as in Mitsuba.
+pub(super) const RR_CAP: f32 = 0.95;
+
 /// The registry's entry.
 pub const INFO: IntegratorInfo = IntegratorInfo {
     name: "volpath",
@@ -67,6 +71,7 @@ pub const INFO: IntegratorInfo = IntegratorInfo {
         common::MAX_DEPTH,
         common::RR_DEPTH,
         common::HIDE_EMITTERS,
+        Components::PARAMETER,
         ParameterInfo {
             name: "equiangular_legs",
             kind: super::ParameterKind::Integer,
@@ -91,10 +96,11 @@ pub struct Options {
     rules: Rules,
     hide_emitters: bool,
     equiangular_legs: u32,
+    components: Components,
 }
 
 /// A count with -1 for "no limit".
-fn count(parameters: &Parameters, name: &'static str) -> Result<u32, ParameterError> {
+pub(super) fn depth(parameters: &Parameters, name: &'static str) -> Result<u32, ParameterError> {
     match parameters.integer(name) {
         -1 => Ok(u32::MAX - 2),
         n => u32::try_from(n)
@@ -109,19 +115,22 @@ impl Options {
     pub(super) fn read(parameters: &Parameters, media: bool) -> Result<Self, ParameterError> {
         let rr_depth = u32::try_from(parameters.integer("rr_depth")).ok().filter(|d| *d > 0);
         let rr_depth = rr_depth.ok_or_else(|| parameters.out_of_range("rr_depth", "a whole number from 1"))?;
+        let media_rule = if media { Media::Scatter } else { Media::Absent };
         Ok(Self {
-            rules: Rules { max_depth: count(parameters, "max_depth")?, rr_depth, media },
+            rules: Rules { max_depth: depth(parameters, "max_depth")?, rr_depth, rr_cap: RR_CAP, media: media_rule },
             hide_emitters: parameters.boolean("hide_emitters"),
-            equiangular_legs: if media { count(parameters, "equiangular_legs")? } else { 0 },
+            equiangular_legs: if media { depth(parameters, "equiangular_legs")? } else { 0 },
+            components: if media { Components::read(parameters)? } else { Components::ALL },
         })
     }
 
     /// Direct light of surfaces.
     pub(super) fn direct(parameters: &Parameters) -> Self {
         Self {
-            rules: Rules { max_depth: 2, rr_depth: 5, media: false },
+            rules: Rules { max_depth: 2, rr_depth: 5, rr_cap: RR_CAP, media: Media::Absent },
             hide_emitters: parameters.boolean("hide_emitters"),
             equiangular_legs: 0,
+            components: Components::ALL,
         }
     }
 }
@@ -140,31 +149,15 @@ impl Volpath {
 
 impl Integrator for Volpath {
     fn warnings(&self, scene: &Scene) -> Vec<String> {
-        if !self.options.rules.media { path::warnings(scene) } else { scene.hidden_caustics().into_iter().collect() }
+        if self.options.rules.media == Media::Absent {
+            path::warnings(scene)
+        } else {
+            scene.hidden_caustics().into_iter().collect()
+        }
     }
 
     fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum]) -> RareEvents {
-        let mut rare = RareEvents::default();
-        let (crop_x, crop_y) = scene.crop_origin();
-        let width = u64::from(scene.film.width);
-        for (i, sum) in pixels.iter_mut().enumerate() {
-            let x = crop_x + job.tile.x + i as u32 % job.tile.width;
-            let y = crop_y + job.tile.y + i as u32 / job.tile.width;
-            for pass in job.passes.clone() {
-                // Keyed by the pixel of the whole film: a crop shows the same samples.
-                let mut sampler = Sampler::new(job.seed, u64::from(y) * width + u64::from(x), pass);
-                let (offset, weight) = scene.filter.sample(sampler.vec2());
-                let position = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + offset;
-                let radiance = weight * self.radiance(scene, position, &mut sampler);
-                if radiance.is_finite() {
-                    sum.add(radiance);
-                } else {
-                    rare.non_finite += 1;
-                    sum.add(Spectrum::ZERO);
-                }
-            }
-        }
-        rare
+        sample_pixels(scene, job, pixels, |position, sampler| self.radiance(scene, position, sampler))
     }
 }
 
@@ -180,10 +173,11 @@ impl Volpath {
             last: Last { position: camera.ray.origin, pdf: None, survival: 1.0, sampled: None },
             flight: None,
             equiangular: false,
+            history: History::START,
         };
         let start =
             Start { ray: camera.ray, length: camera.t_max, medium: scene.camera_medium, throughput: Spectrum::ONE };
-        walk(scene, start, &self.options.rules, sampler, &mut tracer);
+        walk::<FromCamera, _>(scene, start, &self.options.rules, sampler, &mut tracer);
         tracer.radiance
     }
 }
@@ -220,13 +214,16 @@ struct Tracer<'a> {
     /// The flight that led to the current vertex, if equiangular sampling could have been used on it, and whether it was.
     flight: Option<SampledFlight>,
     equiangular: bool,
+    history: History,
 }
 
 impl Tracer<'_> {
     /// Whether emission seen after `scatterings` events counts.
     #[inline(always)]
     fn counts(&self, scatterings: u32) -> bool {
-        scatterings < self.options.rules.max_depth && !(self.options.hide_emitters && scatterings == 0)
+        self.options.components.has(self.history.ends_at_emitter())
+            && scatterings < self.options.rules.max_depth
+            && !(self.options.hide_emitters && scatterings == 0)
     }
 
     /// Density with which equiangular sampling finds both the flight's end and the emitter's point `target` seen from
@@ -260,10 +257,9 @@ impl Tracer<'_> {
         medium: Option<MediumId>,
         sampler: &mut Sampler,
     ) -> Option<(Spectrum, f32)> {
-        let ray = Ray { origin, direction: light.direction };
-        let length = light.distance * (1.0 - 1e-4);
-        let passage = passage(self.scene, ray, length, medium, self.options.rules.media, sampler.rng())?;
-        Some((light.radiance * passage.transmittance / light.pdf.0, passage.survival))
+        let media = self.options.rules.media != Media::Absent;
+        let (arriving, survival) = connect(self.scene, origin, light, medium, media, sampler.rng())?;
+        Some((arriving / light.pdf.0, survival))
     }
 }
 
@@ -293,7 +289,9 @@ impl Sink for Tracer<'_> {
             let distance = segment.flight.distance;
             self.flight = Some(SampledFlight { ray: *ray, length, distance, density, share });
         }
-        if segment.scatterings + 2 > self.options.rules.max_depth {
+        if segment.scatterings + 2 > self.options.rules.max_depth
+            || !self.options.components.has(self.history.lit_straight(true))
+        {
             return;
         }
         let (choice, u) = (sampler.f32(), sampler.f32());
@@ -367,8 +365,12 @@ impl Sink for Tracer<'_> {
     #[inline]
     fn vertex(&mut self, vertex: &Vertex, sampler: &mut Sampler) {
         // The flight through the medium that ends here, if it shares its direct light with equiangular sampling.
-        let flight = self.flight.filter(|_| matches!(vertex.scattering, Scattering::Medium { .. }));
-        if !samples_emitters(self.scene, vertex) || (flight.is_some() && self.equiangular) {
+        let medium = matches!(vertex.scattering, Scattering::Medium { .. });
+        let flight = self.flight.filter(|_| medium);
+        if !samples_emitters(self.scene, vertex)
+            || (flight.is_some() && self.equiangular)
+            || !self.options.components.has(self.history.lit_straight(medium))
+        {
             return;
         }
         let Some(light) = self.scene.lights.sample(vertex.position, sampler.f32(), sampler.vec2()) else { return };
@@ -391,7 +393,8 @@ impl Sink for Tracer<'_> {
     }
 
     #[inline]
-    fn scattered(&mut self, vertex: &Vertex, _direction: Vec3, pdf: Option<PerSolidAngle>) {
+    fn scattered(&mut self, vertex: &Vertex, onward: &Onward) -> bool {
+        let pdf = onward.pdf;
         let medium = matches!(vertex.scattering, Scattering::Medium { .. });
         self.last = Last {
             position: vertex.position,
@@ -400,5 +403,7 @@ impl Sink for Tracer<'_> {
             sampled: self.flight.filter(|_| medium),
         };
         self.flight = None;
+        self.history.scatter(medium, pdf.is_none());
+        self.options.components.has(self.history.reachable())
     }
 }

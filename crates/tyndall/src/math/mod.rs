@@ -2,8 +2,10 @@
 
 pub mod bounds;
 pub mod frame;
+pub mod kernels;
 pub mod lanes;
 pub mod measure;
+pub mod octahedral;
 pub mod random;
 pub mod ray;
 pub mod sampler;
@@ -14,6 +16,7 @@ pub mod warp;
 pub use bounds::Aabb;
 pub use frame::Frame;
 pub use glam::{Vec2, Vec3};
+pub use kernels::Kernel;
 pub use measure::{PerArea, PerLength, PerSolidAngle, PerVolume};
 pub use random::Rng;
 pub use ray::Ray;

@@ -10,6 +10,7 @@ pub use picture::Picture;
 
 use crate::film::pixels::Pixels;
 use crate::integrators::{self, Integrator, Job, ParameterError, RareEvents};
+use crate::photons::TraceError;
 use crate::scene::Scene;
 use crate::scene::desc::IntegratorDesc;
 use rayon::prelude::*;
@@ -40,6 +41,9 @@ pub enum RenderError {
     /// The integrator's name or parameters.
     #[error(transparent)]
     Parameters(#[from] ParameterError),
+    /// The light paths.
+    #[error(transparent)]
+    LightPaths(#[from] TraceError),
     /// The thread pool.
     #[error("could not start {threads} threads: {reason}")]
     Threads {
@@ -123,34 +127,45 @@ impl<'s> Rendering<'s> {
         self.rare
     }
 
-    /// Renders `count` more passes.
-    pub fn add_passes(&mut self, count: u32) {
+    /// Renders `count` more passes. After an error the picture is what it was before the pass that failed.
+    pub fn add_passes(&mut self, count: u32) -> Result<(), RenderError> {
         let started = Instant::now();
-        let passes = self.passes..self.passes + count;
-        let (scene, integrator, seed) = (self.scene, &self.integrator, self.seed);
-        let tiles = self.pixels.tiles_mut();
-        let events: Vec<RareEvents> = self.pool.install(|| {
-            tiles
-                .into_par_iter()
-                .with_max_len(1)
-                .map(|(tile, sums)| integrator.render(scene, &Job { seed, passes: passes.clone(), tile }, sums))
-                .collect()
-        });
-        self.rare.non_finite += events.iter().map(|e| e.non_finite).sum::<u64>();
-        self.passes += count;
+        let end = self.passes + count;
+        while self.passes < end {
+            let (scene, seed, first) = (self.scene, self.seed, self.passes);
+            let serves = self.pool.install(|| self.integrator.prepare(scene, seed, first))?;
+            let passes = first..end.min(first.saturating_add(serves));
+            let integrator = &self.integrator;
+            let tiles = self.pixels.tiles_mut();
+            let events: Vec<RareEvents> = self.pool.install(|| {
+                tiles
+                    .into_par_iter()
+                    .with_max_len(1)
+                    .map(|(tile, sums)| integrator.render(scene, &Job { seed, passes: passes.clone(), tile }, sums))
+                    .collect()
+            });
+            self.rare.non_finite += events.iter().map(|e| e.non_finite).sum::<u64>();
+            self.passes = passes.end;
+        }
         self.busy += started.elapsed();
+        Ok(())
     }
 
     /// Renders until `budget` is spent or `observe` breaks off. `observe` is called after every group of passes, at
     /// most a few times a second; it may read the picture so far.
-    pub fn run(&mut self, budget: Budget, mut observe: impl FnMut(&Self, Progress) -> ControlFlow<()>) {
+    pub fn run(
+        &mut self,
+        budget: Budget,
+        mut observe: impl FnMut(&Self, Progress) -> ControlFlow<()>,
+    ) -> Result<(), RenderError> {
         let mut group = budget::Group::new();
         while let Some(count) = group.next(&budget, self) {
-            self.add_passes(count);
+            self.add_passes(count)?;
             if observe(self, budget.progress(self)).is_break() {
                 break;
             }
         }
+        Ok(())
     }
 
     /// The picture so far; black before the first pass.

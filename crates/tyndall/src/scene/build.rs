@@ -89,6 +89,7 @@ impl Scene {
                 exterior: shape.exterior,
                 index_matched: traits.is_purely_null(),
                 smooth: traits.smooth,
+                diffuse: traits.diffuse,
                 emits: shape.emission.is_some(),
             }
         };

@@ -61,6 +61,8 @@ struct Attachments {
     index_matched: bool,
     /// The BSDF has a part that is not a delta distribution.
     smooth: bool,
+    /// That part is not rough glass only.
+    diffuse: bool,
     emits: bool,
 }
 
@@ -118,6 +120,12 @@ impl Scene {
     #[inline(always)]
     pub fn is_smooth(&self, shape: u32) -> bool {
         self.attached(shape).smooth
+    }
+
+    /// Whether what the shape scatters can be told from light that arrives nearby; not so for glass, rough or smooth.
+    #[inline(always)]
+    pub fn is_diffuse(&self, shape: u32) -> bool {
+        self.attached(shape).diffuse
     }
 
     /// Whether the shape has media on its sides.

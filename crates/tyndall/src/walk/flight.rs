@@ -9,8 +9,8 @@
 //! needs no memory beyond the flight because its densities are divided out where it ends.
 
 use crate::Spectrum;
-use crate::math::{PerLength, Ray, Rng, Vec2};
-use crate::scene::medium::{Extinction, Heterogeneous, Homogeneous, Medium};
+use crate::math::{Aabb, PerLength, Ray, Rng, Vec2};
+use crate::scene::medium::{Extinction, Heterogeneous, Homogeneous, Medium, Segment as Span};
 use crate::scene::phase::Phase;
 
 /// One free flight of a ray through one medium.
@@ -69,10 +69,31 @@ impl Uniform {
         if self.is_grey { Spectrum::grey((-self.sigma_t[0] * t).exp()) } else { (self.sigma_t * -t).exp() }
     }
 
-    /// Distance that no free flight exceeds, metres; possibly infinite.
+    /// Distance that no free flight exceeds in a channel that scatters, metres; infinite without extinction.
     #[inline(always)]
     pub fn opaque_distance(&self) -> f32 {
-        Self::OPAQUE / self.sigma_t.min_channel()
+        let rate = |c: usize| if self.sigma_t[c] > 0.0 { self.sigma_t[c] } else { f32::INFINITY };
+        match rate(0).min(rate(1)).min(rate(2)) {
+            f32::INFINITY => f32::INFINITY,
+            least => Self::OPAQUE / least,
+        }
+    }
+
+    /// Transmittance of `t` metres over the probability that a flight of light of that throughput gets so far.
+    #[inline(always)]
+    pub fn survivor_weight(&self, throughput: Spectrum, t: f32) -> Spectrum {
+        if self.is_grey {
+            return Spectrum::ONE;
+        }
+        let transmittance = self.transmittance(t);
+        let probability = expectation(hero_probabilities(throughput), transmittance);
+        if probability > 0.0 { transmittance / probability } else { Spectrum::ZERO }
+    }
+
+    /// Whether the channels are equal.
+    #[inline(always)]
+    pub fn is_grey(&self) -> bool {
+        self.is_grey
     }
 
     /// Density with which [`fly`] puts a collision at distance `t`, and the transmittance up to it.
@@ -154,8 +175,26 @@ fn fly_homogeneous(
     passed(transmittance / expectation(probabilities, transmittance), transmittance.mean())
 }
 
+/// The stretch of the first `length` metres of `ray` (possibly infinite) on which `medium` scatters noticeably: its start and
+/// its end, finite. `None` when there is none.
+#[inline]
+pub fn reach(medium: &Medium, ray: &Ray, length: f32) -> Option<(f32, f32)> {
+    let (near, far) = match medium.kind() {
+        Extinction::Homogeneous(model) => {
+            (0.0, length.min(Uniform::along(model, medium.phase(), ray).opaque_distance()))
+        }
+        Extinction::Heterogeneous(model) => {
+            let Aabb { min, max } = model.bounds();
+            let inverse = ray.direction.recip();
+            let (a, b) = ((min - ray.origin) * inverse, (max - ray.origin) * inverse);
+            (a.min(b).max_element().max(0.0), a.max(b).min_element().min(length))
+        }
+    };
+    (near < far && far.is_finite()).then_some((near, far))
+}
+
 /// What a tracker does at a tentative collision.
-enum Next {
+pub(super) enum Next {
     Continue,
     Stop,
 }
@@ -163,22 +202,22 @@ enum Next {
 /// THE free-flight loop: visits tentative collisions along the ray in order.
 ///
 /// In each cell of the majorant grid they come at the constant rate `rate(majorant, minorant)`, 1/m. Cells of rate zero
-/// are skipped. `cell` is told every cell's length and minorant, `collision` gets the distance and the rate.
+/// are skipped. `cell` is told every cell, `collision` gets the distance and the rate.
 #[inline(always)]
-fn tentative_collisions(
+pub(super) fn tentative_collisions(
     medium: &Heterogeneous,
     ray: &Ray,
     length: f32,
     rng: &mut Rng,
     rate: impl Fn(f32, f32) -> f32,
-    mut cell: impl FnMut(f32, f32),
+    mut cell: impl FnMut(&Span),
     mut collision: impl FnMut(f32, f32, &mut Rng) -> Next,
 ) {
     // Optical depth of the tentative medium until the next collision: carried from cell to cell, so that each
     // exponential number is used up exactly.
     let mut depth = -(1.0 - rng.f32()).ln();
     for span in medium.majorants().segments(ray.origin, ray.direction, length) {
-        cell(span.t1 - span.t0, span.minorant);
+        cell(&span);
         let rate = rate(span.majorant, span.minorant);
         if rate <= 0.0 {
             continue;
@@ -225,7 +264,7 @@ fn fly_heterogeneous(
             flight.weight = medium.albedo(x);
             Next::Stop
         };
-        tentative_collisions(medium, ray, length, rng, |majorant, _| majorant * factor, |_, _| (), collide);
+        tentative_collisions(medium, ray, length, rng, |majorant, _| majorant * factor, |_| (), collide);
         return flight;
     }
     let probabilities = hero_probabilities(throughput);
@@ -246,7 +285,7 @@ fn fly_heterogeneous(
         flight.weight = medium.albedo(x);
         Next::Stop
     };
-    tentative_collisions(medium, ray, length, rng, |majorant, _| majorant * factor, |_, _| (), collide);
+    tentative_collisions(medium, ray, length, rng, |majorant, _| majorant * factor, |_| (), collide);
     flight.weight *= events / expectation(probabilities, events);
     flight
 }
@@ -267,16 +306,14 @@ pub fn transmittance(medium: &Medium, ray: &Ray, length: f32, rng: &mut Rng) -> 
 /// Residual ratio tracking with the minorant of each cell as its control: the result stays in [0, 1].
 #[inline(always)]
 fn residual_ratio_tracking(medium: &Heterogeneous, phase: &Phase, ray: &Ray, length: f32, rng: &mut Rng) -> Spectrum {
-    // Microflakes have no useful minorant.
-    let (factor, share) =
-        if phase.is_anisotropic_medium() { (phase.max_extinction_factor(ray.direction), 0.0) } else { (1.0, 1.0) };
+    let (factor, share) = bounds(phase, ray);
     let mut depth = 0.0;
     let mut ratio = Spectrum::ONE;
     // The control of the current cell, shared by both closures.
     let control = std::cell::Cell::new(0.0);
-    let enter = |span: f32, minorant: f32| {
-        depth += span * minorant * share;
-        control.set(minorant * share);
+    let enter = |span: &Span| {
+        depth += (span.t1 - span.t0) * span.minorant * share;
+        control.set(span.minorant * share);
     };
     let collide = |t: f32, rate: f32, _: &mut Rng| {
         let x = ray.at(t);
@@ -288,4 +325,10 @@ fn residual_ratio_tracking(medium: &Heterogeneous, phase: &Phase, ray: &Ray, len
     tentative_collisions(medium, ray, length, rng, rate, enter, collide);
     let control: f32 = depth;
     ratio * (-control).exp()
+}
+
+/// Factors of a medium's majorants and minorants along `ray`.
+pub(super) fn bounds(phase: &Phase, ray: &Ray) -> (f32, f32) {
+    // Microflakes have no useful minorant.
+    if phase.is_anisotropic_medium() { (phase.max_extinction_factor(ray.direction), 0.0) } else { (1.0, 1.0) }
 }

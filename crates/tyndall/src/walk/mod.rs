@@ -2,6 +2,7 @@
 
 pub mod flight;
 pub mod passage;
+pub mod profile;
 pub mod record;
 pub mod sink;
 #[allow(clippy::module_inception, reason = "the walk is the noun of this room")]
@@ -9,6 +10,7 @@ pub mod walk;
 
 pub use flight::{Flight, fly};
 pub use passage::{Passage, passage};
-pub use record::{Escape, Scattering, Segment, SurfaceHit, Vertex};
+pub use profile::Profile;
+pub use record::{Escape, Onward, Scattering, Segment, SurfaceHit, Vertex};
 pub use sink::Sink;
-pub use walk::{Rules, Start, walk};
+pub use walk::{FromCamera, FromLight, Media, Mode, Rules, Start, walk};

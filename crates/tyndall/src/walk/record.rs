@@ -2,7 +2,7 @@
 
 use super::Flight;
 use crate::Spectrum;
-use crate::math::{Ray, Vec3};
+use crate::math::{PerSolidAngle, Ray, Vec3};
 use crate::scene::desc::MediumId;
 use crate::scene::shape::SurfacePoint;
 
@@ -81,4 +81,15 @@ pub struct Vertex {
     pub leg: u32,
     /// What scatters.
     pub scattering: Scattering,
+}
+
+/// How a walk goes on from a vertex.
+#[derive(Clone, Copy, Debug)]
+pub struct Onward {
+    /// Unit direction of travel.
+    pub direction: Vec3,
+    /// Density of the direction; `None` for a delta distribution.
+    pub pdf: Option<PerSolidAngle>,
+    /// Refractive index of the side entered divided by that of the side left; 1 unless refracted.
+    pub eta: f32,
 }

@@ -1,7 +1,7 @@
 //! Who listens to a walk.
 
-use super::{Escape, Segment, SurfaceHit, Vertex};
-use crate::math::{PerSolidAngle, Sampler, Vec3};
+use super::{Escape, Onward, Segment, SurfaceHit, Vertex};
+use crate::math::Sampler;
 
 /// Receives what a walk meets, in order. Every method does nothing unless implemented.
 pub trait Sink {
@@ -14,8 +14,10 @@ pub trait Sink {
     /// A point where light scatters.
     fn vertex(&mut self, _vertex: &Vertex, _sampler: &mut Sampler) {}
 
-    /// The walk goes on from `vertex` along `direction`, sampled with `pdf` (`None`: a delta distribution).
-    fn scattered(&mut self, _vertex: &Vertex, _direction: Vec3, _pdf: Option<PerSolidAngle>) {}
+    /// The walk would go on from `vertex`. Answers whether it does.
+    fn scattered(&mut self, _vertex: &Vertex, _onward: &Onward) -> bool {
+        true
+    }
 
     /// The walk left the scene.
     fn escape(&mut self, _escape: &Escape) {}

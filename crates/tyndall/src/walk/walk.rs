@@ -1,11 +1,12 @@
 //! THE random walk.
 
-use super::{Escape, Scattering, Segment, Sink, SurfaceHit, Vertex, fly};
+use super::{Escape, Flight, Onward, Scattering, Segment, Sink, SurfaceHit, Vertex, flight, fly};
 use crate::Spectrum;
 use crate::math::{PerSolidAngle, Ray, Sampler, Vec3};
 use crate::scene::Scene;
 use crate::scene::bsdf::{SurfaceContext, Transport};
 use crate::scene::desc::MediumId;
+use crate::scene::shape::SurfacePoint;
 
 /// Where a walk begins.
 #[derive(Clone, Copy, Debug)]
@@ -20,6 +21,39 @@ pub struct Start {
     pub throughput: Spectrum,
 }
 
+/// Which end of light's path a walk starts from.
+pub trait Mode {
+    /// What the walk carries.
+    const TRANSPORT: Transport;
+}
+
+/// Walks from the camera carry radiance.
+#[derive(Clone, Copy, Debug)]
+pub struct FromCamera;
+
+/// Walks from an emitter carry flux.
+#[derive(Clone, Copy, Debug)]
+pub struct FromLight;
+
+impl Mode for FromCamera {
+    const TRANSPORT: Transport = Transport::Radiance;
+}
+
+impl Mode for FromLight {
+    const TRANSPORT: Transport = Transport::Importance;
+}
+
+/// What media do to a walk.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Media {
+    /// Nothing: there are none, and index-matched boundaries are surfaces like any other.
+    Absent,
+    /// They scatter it.
+    Scatter,
+    /// They dim it and let it pass.
+    Attenuate,
+}
+
 /// When a walk ends, and what it sees.
 #[derive(Clone, Copy, Debug)]
 pub struct Rules {
@@ -27,20 +61,26 @@ pub struct Rules {
     pub max_depth: u32,
     /// Russian roulette starts beyond this depth.
     pub rr_depth: u32,
-    /// Whether there are media; without them index-matched boundaries are surfaces like any other.
-    pub media: bool,
+    /// Largest probability of surviving a turn of the roulette. With 1, and from depth 0 on, absorption is analogue:
+    /// the throughput keeps its first value.
+    pub rr_cap: f32,
+    /// What media do.
+    pub media: Media,
 }
 
 /// Follows one path through the scene and tells `sink` what it meets.
 ///
 /// A *leg* leads from one vertex to the next through any number of index-matched boundaries, which change the medium and
-/// nothing else. Russian roulette survives with probability `min(max(throughput) eta^2, 0.95)`.
+/// nothing else. Russian roulette survives with probability `min(max(throughput) eta^2, rr_cap)`, the throughput counted
+/// in units of the first one and `eta` only for radiance, whose value refraction changes without loss.
 #[inline]
-pub fn walk<S: Sink>(scene: &Scene, start: Start, rules: &Rules, sampler: &mut Sampler, sink: &mut S) {
+pub fn walk<M: Mode, S: Sink>(scene: &Scene, start: Start, rules: &Rules, sampler: &mut Sampler, sink: &mut S) {
     let mut ray = start.ray;
     let mut reach = start.length;
-    let mut medium = start.medium.filter(|_| rules.media);
+    let media = rules.media != Media::Absent;
+    let mut medium = start.medium.filter(|_| media);
     let mut throughput = start.throughput;
+    let unit = start.throughput.max_channel();
     let mut scatterings = 0;
     let mut eta = 1.0;
     let mut leg = 0;
@@ -50,8 +90,13 @@ pub fn walk<S: Sink>(scene: &Scene, start: Start, rules: &Rules, sampler: &mut S
             let hit = scene.geometry.intersect(&ray, reach);
             let length = hit.as_ref().map_or(reach, |hit| hit.t);
             if let Some(inside) = medium {
-                let u = sampler.vec2();
-                let flight = fly(scene.medium(inside), &ray, length, throughput, u, sampler.rng());
+                let flight = match rules.media {
+                    Media::Attenuate => attenuate(scene, inside, &ray, length, sampler),
+                    _ => {
+                        let u = sampler.vec2();
+                        fly(scene.medium(inside), &ray, length, throughput, u, sampler.rng())
+                    }
+                };
                 let segment = Segment { ray: &ray, length, medium: inside, throughput, scatterings, leg, flight };
                 sink.segment(&segment, sampler);
                 throughput *= flight.weight;
@@ -72,7 +117,7 @@ pub fn walk<S: Sink>(scene: &Scene, start: Start, rules: &Rules, sampler: &mut S
             };
             let point = scene.geometry.surface(&ray, &hit);
             sink.surface(&SurfaceHit { point: &point, direction: ray.direction, throughput, scatterings });
-            if rules.media && scene.is_index_matched(point.shape) {
+            if media && scene.is_index_matched(point.shape) {
                 medium = scene.medium_towards(&point, ray.direction, medium);
                 ray.origin = point.leave(ray.direction);
                 reach -= length;
@@ -103,9 +148,9 @@ pub fn walk<S: Sink>(scene: &Scene, start: Start, rules: &Rules, sampler: &mut S
             }
             Scattering::Surface { point, medium: arrival } => {
                 let context = scene.surface_context(point);
-                let scattered = scatter_surface(scene, &context, &vertex, sampler, rules);
+                let scattered = scatter_surface::<M>(scene, &context, &vertex, sampler, media);
                 scattered.filter(|(_, s)| !exhausted || s.null).map(|(direction, s)| {
-                    if rules.media {
+                    if media {
                         medium = scene.medium_towards(point, direction, *arrival);
                     }
                     ray = Ray { origin: point.leave(direction), direction };
@@ -123,11 +168,16 @@ pub fn walk<S: Sink>(scene: &Scene, start: Start, rules: &Rules, sampler: &mut S
         if scattered.null {
             continue;
         }
-        sink.scattered(&vertex, ray.direction, scattered.pdf);
-        eta *= scattered.eta;
+        let onward = Onward { direction: ray.direction, pdf: scattered.pdf, eta: scattered.eta };
+        if !sink.scattered(&vertex, &onward) {
+            return;
+        }
+        if M::TRANSPORT == Transport::Radiance {
+            eta *= scattered.eta;
+        }
         scatterings += 1;
         if scatterings > rules.rr_depth {
-            let survival = (throughput.max_channel() * eta * eta).min(0.95);
+            let survival = (throughput.max_channel() / unit * eta * eta).min(rules.rr_cap);
             if sampler.f32() >= survival {
                 return;
             }
@@ -147,21 +197,46 @@ struct Scattered {
     eta: f32,
 }
 
+/// The flight that passes the medium.
+#[inline]
+fn attenuate(scene: &Scene, medium: MediumId, ray: &Ray, length: f32, sampler: &mut Sampler) -> Flight {
+    let (weight, survival) = flight::transmittance(scene.medium(medium), ray, length, sampler.rng());
+    Flight { distance: length, collided: false, weight, density: None, survival }
+}
+
 /// Samples the BSDF at a surface vertex.
 #[inline(always)]
-fn scatter_surface(
+fn scatter_surface<M: Mode>(
     scene: &Scene,
     context: &SurfaceContext,
     vertex: &Vertex,
     sampler: &mut Sampler,
-    rules: &Rules,
+    media: bool,
 ) -> Option<(Vec3, Scattered)> {
     let Scattering::Surface { point, .. } = &vertex.scattering else { return None };
     let wo = point.shading.to_local(-vertex.direction);
     let (lobe, u) = (sampler.f32(), sampler.vec2());
-    let sample = scene.bsdfs.sample(scene.bsdf_of(point.shape), context, wo, Transport::Radiance, lobe, u)?;
-    let null = sample.event.null && rules.media;
-    let direction = if sample.event.null { vertex.direction } else { point.shading.to_world(sample.wi) };
+    let sample = scene.bsdfs.sample(scene.bsdf_of(point.shape), context, wo, M::TRANSPORT, lobe, u)?;
+    let null = sample.event.null && media;
+    if sample.event.null {
+        return Some((vertex.direction, Scattered { weight: sample.weight, pdf: None, null, eta: 1.0 }));
+    }
+    let direction = point.shading.to_world(sample.wi);
+    let weight = match M::TRANSPORT {
+        Transport::Radiance => sample.weight,
+        Transport::Importance => {
+            sample.weight * adjoint_correction(point, wo.z, sample.wi.z, vertex.direction, direction)
+        }
+    };
     let pdf = (!sample.event.delta).then_some(sample.pdf);
-    Some((direction, Scattered { weight: sample.weight, pdf, null, eta: sample.event.eta }))
+    Some((direction, Scattered { weight, pdf, null, eta: sample.event.eta }))
+}
+
+/// What a BSDF times the cosine of the outgoing direction is multiplied by when light is followed: with shading normals
+/// the density of light on a surface depends on the geometric cosine and its scattering on the shading one (Veach 1997,
+/// eq. 5.19). `cos_in` and `cos_out` are cosines to the shading normal of the directions of travel `d_in` and `d_out`.
+#[inline(always)]
+fn adjoint_correction(point: &SurfacePoint, cos_in: f32, cos_out: f32, d_in: Vec3, d_out: Vec3) -> f32 {
+    let denominator = d_in.dot(point.normal) * cos_out;
+    if denominator == 0.0 { 0.0 } else { (cos_in * d_out.dot(point.normal) / denominator).abs() }
 }

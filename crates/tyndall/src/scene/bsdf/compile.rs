@@ -238,7 +238,7 @@ fn traits(models: &[Bsdf], index: usize, depth: usize) -> Option<Traits> {
         return None;
     }
     let nested = |id: BsdfId| traits(models, id.0, depth + 1);
-    let smooth = |varies| Traits { smooth: true, varies, ..Traits::default() };
+    let smooth = |varies| Traits { smooth: true, diffuse: true, varies, ..Traits::default() };
     Some(match &models[index] {
         Bsdf::Diffuse(model) => smooth(model.reflectance.varies()),
         Bsdf::Dielectric(model) => Traits {
@@ -253,6 +253,7 @@ fn traits(models: &[Bsdf], index: usize, depth: usize) -> Option<Traits> {
             ..Traits::PURELY_NULL
         },
         Bsdf::RoughDielectric(model) => Traits {
+            diffuse: false,
             transmits: true,
             ..smooth(
                 model.specular_reflectance.varies()

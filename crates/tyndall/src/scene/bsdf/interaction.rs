@@ -114,6 +114,8 @@ impl BsdfSample {
 pub struct Traits {
     /// Some scattering has a density: `eval` may be positive and light sampling is worth it.
     pub smooth: bool,
+    /// Some of that is wide enough for photons that arrive nearby to tell what is seen: all but rough glass.
+    pub diffuse: bool,
     /// Some scattering goes into discrete directions other than straight on.
     pub delta: bool,
     /// Some light goes straight through as if there were no surface.
@@ -126,7 +128,8 @@ pub struct Traits {
 
 impl Traits {
     /// A boundary without any scattering.
-    pub const PURELY_NULL: Self = Self { smooth: false, delta: false, null: true, transmits: true, varies: false };
+    pub const PURELY_NULL: Self =
+        Self { smooth: false, diffuse: false, delta: false, null: true, transmits: true, varies: false };
 
     /// Whether light only ever goes straight through.
     #[inline(always)]
@@ -138,6 +141,7 @@ impl Traits {
     pub(super) fn union(self, other: Self) -> Self {
         Self {
             smooth: self.smooth | other.smooth,
+            diffuse: self.diffuse | other.diffuse,
             delta: self.delta | other.delta,
             null: self.null | other.null,
             transmits: self.transmits | other.transmits,

@@ -106,6 +106,12 @@ impl Medium {
         }
     }
 
+    /// Scattering at `x`, 1/m, without the phase function's [`Phase::extinction_factor`].
+    #[inline]
+    pub fn sigma_s(&self, x: Vec3) -> Spectrum {
+        self.sigma_t(x) * self.albedo(x)
+    }
+
     /// Whether the extinction has three equal channels everywhere.
     #[inline]
     pub fn is_grey(&self) -> bool {

@@ -1,6 +1,7 @@
 //! Shapes: what a ray can hit, and what is known of the point it hits.
 
 mod compile;
+mod curvature;
 pub mod error;
 pub mod geometry;
 pub mod mesh;
