@@ -7,7 +7,7 @@
 
 use super::bvh::{Bvh, LEAF, Node};
 use crate::math::lanes::WIDTH;
-use crate::math::{Aabb, Vec3};
+use crate::math::Aabb;
 use rayon::prelude::*;
 
 /// Bits of the curve for each axis.
@@ -151,7 +151,7 @@ mod tests {
     use super::*;
     use crate::accel::Visit;
     use crate::math::lanes::{Kernel, Lanes, Level};
-    use crate::math::{Ray, Rng, warp};
+    use crate::math::{Ray, Rng, Vec3, warp};
 
     #[test]
     fn the_curve_visits_every_cell_and_steps_to_a_neighbour() {

@@ -22,7 +22,9 @@ use crate::scene::desc::MediumId;
 use crate::scene::emitter::{EmitterId, EmitterSample};
 use crate::scene::medium::Extinction;
 use crate::walk::flight::Uniform;
-use crate::walk::{Escape, FromCamera, Media, Onward, Rules, Scattering, Segment, Sink, Start, SurfaceHit, Vertex, walk};
+use crate::walk::{
+    Escape, FromCamera, Media, Onward, Rules, Scattering, Segment, Sink, Start, SurfaceHit, Vertex, walk,
+};
 
 /// Parameters that path tracers share.
 pub mod common {

@@ -14,7 +14,7 @@ use crate::integrators::components::Components;
 use crate::math::{PerSolidAngle, Ray, Sampler, Vec2, Vec3};
 use crate::photons::Origin;
 use crate::scene::Scene;
-use crate::walk::{Escape, FromCamera, Profile, Scattering, Segment, Sink, Start, SurfaceHit, Vertex, flight, walk};
+use crate::walk::{Escape, FromCamera, Onward, Scattering, Segment, Sink, Start, SurfaceHit, Vertex, flight, walk};
 
 /// Bits of origins, as in `Tag::origin_bit`.
 const STRAIGHT: u32 = 1 << Origin::Direct as u32;

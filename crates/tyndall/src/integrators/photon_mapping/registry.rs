@@ -1,8 +1,8 @@
 //! The names of the family.
 
 use super::options::declared::{
-    ABSORPTION, ALPHA, EXTENT, FINAL_GATHER, FOOTPRINT, JITTER, KERNEL, MEMORY, RADIUS, REUSE, STEPS, SURFACE_RADIUS, estimator,
-    neighbours, photons,
+    ABSORPTION, ALPHA, EXTENT, FINAL_GATHER, FOOTPRINT, JITTER, KERNEL, MEMORY, RADIUS, REUSE, STEPS, SURFACE_RADIUS,
+    estimator, neighbours, photons,
 };
 use super::{Estimator, Options, PhotonMapping};
 use crate::integrators::components::Components;
