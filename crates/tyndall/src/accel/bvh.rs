@@ -4,9 +4,9 @@
 //! consecutive items in that order: a user keeps one structure-of-arrays packet a leaf, indexed by the leaf's number.
 
 use super::build;
+use super::stack::Stack;
 use crate::math::lanes::{Lanes, Mask, Row, WIDTH};
 use crate::math::{Aabb, Ray, Vec3};
-use std::mem::MaybeUninit;
 use std::ops::Range;
 
 /// A bounding volume hierarchy.
@@ -119,7 +119,7 @@ impl Bvh {
         }
         let slab = Slab::<L>::new(ray, self.largest);
         let mut t_max = t_max.min(f32::MAX);
-        let mut stack = Stack::<u64>::new();
+        let mut stack = Stack::<u64, STACK>::new();
         let mut current = 0;
         loop {
             if current & LEAF != 0 {
@@ -189,7 +189,7 @@ impl Bvh {
     /// Depth-first over the children that `meet` lets in, until `leaf` answers with a negative distance.
     #[inline(always)]
     fn any(&self, mut t_max: f32, meet: impl Fn(&Node, f32) -> u32, mut leaf: impl FnMut(u32, f32) -> f32) {
-        let mut stack = Stack::<u32>::new();
+        let mut stack = Stack::<u32, STACK>::new();
         stack.push(0);
         while let Some(current) = stack.pop() {
             if current & LEAF != 0 {
@@ -274,51 +274,6 @@ impl<L: Lanes> Slab<L> {
         let (x, y, z) = (self.leaving(node, 0), self.leaving(node, 1), self.leaving(node, 2));
         let t1 = x.min(y.min(z.min(L::splat(t_max))));
         (t0, t0.le(t1).bits())
-    }
-}
-
-/// A stack of fixed size without initialisation.
-struct Stack<T> {
-    len: usize,
-    items: [MaybeUninit<T>; STACK],
-}
-
-impl<T: Copy + Ord> Stack<T> {
-    #[inline(always)]
-    fn new() -> Self {
-        Self { len: 0, items: [const { MaybeUninit::uninit() }; STACK] }
-    }
-
-    #[inline(always)]
-    fn push(&mut self, item: T) {
-        debug_assert!(self.len < STACK, "a path longer than any");
-        // SAFETY: no path is longer than `MAX_DEPTH`, which is what `STACK` was made for.
-        unsafe { self.items.get_unchecked_mut(self.len) }.write(item);
-        self.len += 1;
-    }
-
-    /// Pushes below the smaller ones among the items from `base` on.
-    #[inline(always)]
-    fn push_sorted(&mut self, base: usize, item: T) {
-        let mut at = self.len;
-        while at > base {
-            // SAFETY: items below `len` are initialised.
-            let below = unsafe { self.items[at - 1].assume_init() };
-            if below >= item {
-                break;
-            }
-            self.items[at].write(below);
-            at -= 1;
-        }
-        self.items[at].write(item);
-        self.len += 1;
-    }
-
-    #[inline(always)]
-    fn pop(&mut self) -> Option<T> {
-        self.len = self.len.checked_sub(1)?;
-        // SAFETY: items below the former `len` are initialised.
-        Some(unsafe { self.items[self.len].assume_init() })
     }
 }
 

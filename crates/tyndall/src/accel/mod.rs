@@ -2,6 +2,7 @@
 
 mod build;
 pub mod bvh;
+mod stack;
 pub mod triangle;
 
 pub use bvh::{Bvh, Visit};
