@@ -58,8 +58,6 @@
 
 mod build;
 pub mod bvh;
-pub use curve::CurveBuilder;
-pub mod curve;
 pub mod grid;
 pub mod kdtree;
 mod neighbours;
