@@ -4,6 +4,7 @@
 //! consecutive items in that order: a user keeps one structure-of-arrays packet a leaf, indexed by the leaf's number.
 
 use super::build;
+use super::refine::FEW;
 use crate::math::lanes::{Lanes, Mask, Row, WIDTH};
 use crate::math::{Aabb, Ray, Vec3};
 use std::mem::MaybeUninit;
@@ -35,8 +36,10 @@ pub(super) const LEAF: u32 = 1 << 31;
 
 /// Nodes deeper than this halve their number of packets with each level, ...
 pub(super) const FREE_DEPTH: usize = 32;
+/// ... and only above this one may their subtrees have any shape, ...
+pub(super) const REFINE_DEPTH: usize = 16;
 /// ... and 2^31 items make 2^28 packets, so that no path is longer than this.
-const MAX_DEPTH: usize = FREE_DEPTH + 28;
+const MAX_DEPTH: usize = if FREE_DEPTH + 28 > REFINE_DEPTH + FEW { FREE_DEPTH + 28 } else { REFINE_DEPTH + FEW };
 /// Each level leaves at most seven children waiting; the last one may put down eight.
 const STACK: usize = 7 * MAX_DEPTH + WIDTH;
 
@@ -120,12 +123,13 @@ impl Bvh {
         let slab = Slab::<L>::new(ray, self.largest);
         let mut t_max = t_max.min(f32::MAX);
         let mut stack = Stack::<u64>::new();
+        let mut waiting = 0;
         let mut current = 0;
         loop {
             if current & LEAF != 0 {
                 t_max = visit.leaf::<L>(current & !LEAF, t_max);
             } else {
-                let node = &self.nodes[current as usize];
+                let node = self.node(current);
                 let (near, mut hits) = slab.meet(node, t_max);
                 if hits != 0 {
                     let lane = hits.trailing_zeros() as usize;
@@ -138,20 +142,25 @@ impl Bvh {
                     // Distances are not negative: their bits sort as they do.
                     let key = |lane: usize| (near[lane & 7].to_bits() as u64) << 32 | node.children[lane & 7] as u64;
                     let mut nearest = key(lane);
-                    let base = stack.len;
+                    let base = waiting;
                     while hits != 0 {
                         let next = key(hits.trailing_zeros() as usize);
                         hits &= hits - 1;
                         let farther = nearest.max(next);
                         nearest = nearest.min(next);
-                        stack.push_sorted(base, farther);
+                        stack.insert(base, waiting, farther);
+                        waiting += 1;
                     }
                     current = nearest as u32;
                     continue;
                 }
             }
             current = loop {
-                let Some(key) = stack.pop() else { return };
+                if waiting == 0 {
+                    return;
+                }
+                waiting -= 1;
+                let key = stack.get(waiting);
                 if f32::from_bits((key >> 32) as u32) <= t_max {
                     break key as u32;
                 }
@@ -190,8 +199,11 @@ impl Bvh {
     #[inline(always)]
     fn any(&self, mut t_max: f32, meet: impl Fn(&Node, f32) -> u32, mut leaf: impl FnMut(u32, f32) -> f32) {
         let mut stack = Stack::<u32>::new();
-        stack.push(0);
-        while let Some(current) = stack.pop() {
+        stack.set(0, 0);
+        let mut waiting = 1;
+        while waiting > 0 {
+            waiting -= 1;
+            let current = stack.get(waiting);
             if current & LEAF != 0 {
                 t_max = leaf(current & !LEAF, t_max);
                 if t_max < 0.0 {
@@ -199,13 +211,21 @@ impl Bvh {
                 }
                 continue;
             }
-            let node = &self.nodes[current as usize];
+            let node = self.node(current);
             let mut hits = meet(node, t_max);
             while hits != 0 {
-                stack.push(node.children[hits.trailing_zeros() as usize & 7]);
+                stack.set(waiting, node.children[hits.trailing_zeros() as usize & 7]);
+                waiting += 1;
                 hits &= hits - 1;
             }
         }
+    }
+
+    #[inline(always)]
+    fn node(&self, index: u32) -> &Node {
+        debug_assert!((index as usize) < self.nodes.len());
+        // SAFETY: the root exists where there are nodes at all, and `children` name nodes of this hierarchy.
+        unsafe { self.nodes.get_unchecked(index as usize) }
     }
 }
 
@@ -217,9 +237,9 @@ fn splat<L: Lanes>([x, y, z]: [f32; 3]) -> [L; 3] {
 
 /// A ray made ready for slab tests (Kay and Kajiya 1986).
 struct Slab<L: Lanes> {
-    /// Row of the plane through which the ray enters, by axis.
+    /// The row of planes through which the ray enters, by axis: bytes from the first one.
     enter: [usize; 3],
-    /// Row of the plane through which the ray leaves, by axis.
+    /// The row of planes through which it leaves, alike.
     exit: [usize; 3],
     /// The origin, moved so that entries are early, ...
     enter_origin: [L; 3],
@@ -237,11 +257,12 @@ impl<L: Lanes> Slab<L> {
         let start = ray.origin.abs().max_element();
         let slack = (2.0 * start + largest) * (8.0 * 0.5 * f32::EPSILON);
         let by = Vec3::splat(slack).copysign(ray.direction);
-        let backward = |d: f32| 3 * (d.to_bits() >> 31) as usize;
+        const ROW: usize = size_of::<Row>();
+        let backward = |d: f32| (d.to_bits() >> 31) as usize * (3 * ROW);
         let (x, y, z) = (backward(ray.direction.x), backward(ray.direction.y), backward(ray.direction.z));
         Self {
-            enter: [x, 1 + y, 2 + z],
-            exit: [3 - x, 4 - y, 5 - z],
+            enter: [x, ROW + y, 2 * ROW + z],
+            exit: [3 * ROW - x, 4 * ROW - y, 5 * ROW - z],
             enter_origin: splat((ray.origin + by).to_array()),
             exit_origin: splat((ray.origin - by).to_array()),
             inverse: splat(ray.direction.recip().to_array()),
@@ -251,16 +272,16 @@ impl<L: Lanes> Slab<L> {
     /// Where the ray passes the planes through which it enters.
     #[inline(always)]
     fn entry(&self, node: &Node, axis: usize) -> L {
-        // SAFETY: `enter` holds numbers from 0 to 5.
-        let row = unsafe { node.planes.get_unchecked(self.enter[axis]) };
+        // SAFETY: `enter` holds the places of the rows 0 to 5.
+        let row = unsafe { &*node.planes.as_ptr().byte_add(self.enter[axis]) };
         L::load(row).sub(self.enter_origin[axis]).mul(self.inverse[axis])
     }
 
     /// Where the ray passes the planes through which it leaves.
     #[inline(always)]
     fn leaving(&self, node: &Node, axis: usize) -> L {
-        // SAFETY: `exit` holds numbers from 0 to 5.
-        let row = unsafe { node.planes.get_unchecked(self.exit[axis]) };
+        // SAFETY: `exit` holds the places of the rows 0 to 5.
+        let row = unsafe { &*node.planes.as_ptr().byte_add(self.exit[axis]) };
         L::load(row).sub(self.exit_origin[axis]).mul(self.inverse[axis])
     }
 
@@ -277,48 +298,46 @@ impl<L: Lanes> Slab<L> {
     }
 }
 
-/// A stack of fixed size without initialisation.
+/// The memory of a stack, without initialisation. Its user counts what is in it, so that the count stays in a register.
 struct Stack<T> {
-    len: usize,
     items: [MaybeUninit<T>; STACK],
 }
 
 impl<T: Copy + Ord> Stack<T> {
     #[inline(always)]
     fn new() -> Self {
-        Self { len: 0, items: [const { MaybeUninit::uninit() }; STACK] }
+        Self { items: [const { MaybeUninit::uninit() }; STACK] }
     }
 
+    /// Puts an item down at `at`, which is the number of those below.
     #[inline(always)]
-    fn push(&mut self, item: T) {
-        debug_assert!(self.len < STACK, "a path longer than any");
+    fn set(&mut self, at: usize, item: T) {
+        debug_assert!(at < STACK, "a path longer than any");
         // SAFETY: no path is longer than `MAX_DEPTH`, which is what `STACK` was made for.
-        unsafe { self.items.get_unchecked_mut(self.len) }.write(item);
-        self.len += 1;
+        unsafe { self.items.get_unchecked_mut(at) }.write(item);
     }
 
-    /// Pushes below the smaller ones among the items from `base` on.
+    /// The item at `at`, where one was put down.
     #[inline(always)]
-    fn push_sorted(&mut self, base: usize, item: T) {
-        let mut at = self.len;
+    fn get(&self, at: usize) -> T {
+        debug_assert!(at < STACK, "a path longer than any");
+        // SAFETY: within the stack as above, and initialised.
+        unsafe { self.items.get_unchecked(at).assume_init() }
+    }
+
+    /// Adds to `len` items one, below the smaller ones among those from `base` on.
+    #[inline(always)]
+    fn insert(&mut self, base: usize, len: usize, item: T) {
+        let mut at = len;
         while at > base {
-            // SAFETY: items below `len` are initialised.
-            let below = unsafe { self.items[at - 1].assume_init() };
+            let below = self.get(at - 1);
             if below >= item {
                 break;
             }
-            self.items[at].write(below);
+            self.set(at, below);
             at -= 1;
         }
-        self.items[at].write(item);
-        self.len += 1;
-    }
-
-    #[inline(always)]
-    fn pop(&mut self) -> Option<T> {
-        self.len = self.len.checked_sub(1)?;
-        // SAFETY: items below the former `len` are initialised.
-        Some(unsafe { self.items[self.len].assume_init() })
+        self.set(at, item);
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod build;
 pub mod bvh;
+mod refine;
 pub mod triangle;
 
 pub use bvh::{Bvh, Visit};

@@ -156,7 +156,9 @@ impl Geometry {
     #[inline(always)]
     fn search<W: Want>(&self, ray: &Ray, t_max: f32, want: W) -> Seen {
         let (geometry, tree) = (self, &self.trees[0]);
-        Level::dispatch(Search { geometry, tree, ray: *ray, t_max, seen: Seen::default(), want, instance: None }).1
+        let mut search = Search { geometry, tree, ray, t_max, seen: Seen::default(), want, instance: None };
+        Level::dispatch(&mut search);
+        search.seen
     }
 
     /// The nearest surface at a distance in (0, t_max).

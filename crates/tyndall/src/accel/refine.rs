@@ -1,0 +1,126 @@
+//! The lower end of the hierarchy: the best tree of wide nodes over a few items.
+//!
+//! A binary tree is grown down to single items by a full sweep of the surface-area heuristic. Dynamic programming then
+//! decides which of its subtrees become leaves and which of its nodes become wide ones, so that the expected cost of
+//! a ray is the least (Ylitie, Karras and Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed
+//! Wide BVHs", section 3.1).
+
+use super::build::{Item, Tree, cost};
+use crate::math::Aabb;
+use crate::math::lanes::WIDTH;
+
+/// As many items are few. Trees over them have fewer levels than that.
+pub(super) const FEW: usize = 64;
+/// Cost of a visit to a node, in visits to a packet.
+const NODE: f32 = 0.7;
+
+/// A node of the binary tree.
+struct Binary {
+    bounds: Aabb,
+    len: usize,
+    children: Option<Box<[Binary; 2]>>,
+    /// Whether it is a leaf where it is a single child.
+    leaf: bool,
+    /// How many children of a wide node that is made of it come from its first half.
+    share: usize,
+    /// The same by the number of children it may be, less one; 0 where fewer are as good.
+    shares: [usize; WIDTH],
+    /// The least cost by the number of children it may be, less one.
+    costs: [f32; WIDTH],
+}
+
+/// The best subtree over `items`, up to [`FEW`] of them, which it reorders. Never a leaf.
+pub(super) fn refine(items: &mut [Item]) -> Tree {
+    Binary::new(items).wide()
+}
+
+impl Binary {
+    fn new(items: &mut [Item]) -> Self {
+        let bounds = items.iter().fold(Aabb::EMPTY, |b, i| b.union(i.bounds));
+        let len = items.len();
+        let packet = cost(bounds, items.iter().map(|i| u64::from(i.cost)).sum());
+        let mut node =
+            Self { bounds, len, children: None, leaf: true, share: 0, shares: [0; WIDTH], costs: [packet; WIDTH] };
+        if len == 1 {
+            return node;
+        }
+        let middle = halve(items);
+        let (left, right) = items.split_at_mut(middle);
+        let children = Box::new([Self::new(left), Self::new(right)]);
+        let best = |count: usize| {
+            let both = |k: usize| children[0].costs[k - 1] + children[1].costs[count - k - 1];
+            (2..count).fold((both(1), 1), |best, k| if both(k) < best.0 { (both(k), k) } else { best })
+        };
+        let (below, share) = best(WIDTH);
+        let wide = NODE * bounds.half_area() + below;
+        node.share = share;
+        node.leaf = len <= WIDTH && !(wide < packet);
+        node.costs[0] = if node.leaf { packet } else { wide };
+        for count in 2..=WIDTH {
+            let (cost, share) = best(count);
+            let better = cost < node.costs[count - 2];
+            node.shares[count - 1] = if better { share } else { 0 };
+            node.costs[count - 1] = if better { cost } else { node.costs[count - 2] };
+        }
+        node.children = Some(children);
+        node
+    }
+
+    /// The wide node made of this one.
+    fn wide(&self) -> Tree {
+        let mut parts = Vec::with_capacity(WIDTH);
+        match &self.children {
+            None => parts.push((self.bounds, Tree::Leaf { len: self.len })),
+            Some(children) => {
+                children[0].place(self.share, &mut parts);
+                children[1].place(WIDTH - self.share, &mut parts);
+            }
+        }
+        Tree::Inner(parts)
+    }
+
+    /// Appends what becomes of this node where it may be up to `count` children.
+    fn place(&self, count: usize, parts: &mut Vec<(Aabb, Tree)>) {
+        let share = self.shares[count - 1];
+        match &self.children {
+            Some(children) if share > 0 => {
+                children[0].place(share, parts);
+                children[1].place(count - share, parts);
+            }
+            _ if count > 1 => self.place(count - 1, parts),
+            _ => parts.push((self.bounds, if self.leaf { Tree::Leaf { len: self.len } } else { self.wide() })),
+        }
+    }
+}
+
+/// Sorts the items so that the cheapest split is after the first few; returns how many.
+fn halve(items: &mut [Item]) -> usize {
+    let mut best: Option<(f32, usize, usize)> = None;
+    let sort = |items: &mut [Item], axis: usize| {
+        items.sort_unstable_by(|a, b| a.centre()[axis].total_cmp(&b.centre()[axis]).then(a.index.cmp(&b.index)));
+    };
+    for axis in 0..3 {
+        sort(items, axis);
+        let mut after = [0.0; FEW];
+        let (mut bounds, mut eighths) = (Aabb::EMPTY, 0);
+        for (item, after) in items.iter().zip(&mut after).skip(1).rev() {
+            bounds = bounds.union(item.bounds);
+            eighths += item.cost;
+            *after = bounds.half_area() * eighths as f32;
+        }
+        let (mut bounds, mut eighths) = (Aabb::EMPTY, 0);
+        for i in 1..items.len() {
+            bounds = bounds.union(items[i - 1].bounds);
+            eighths += items[i - 1].cost;
+            let cost = bounds.half_area() * eighths as f32 + after[i];
+            if best.is_none_or(|(least, ..)| cost < least) {
+                best = Some((cost, axis, i));
+            }
+        }
+    }
+    let (_, axis, middle) = best.unwrap_or((0.0, 2, items.len() / 2));
+    if axis != 2 {
+        sort(items, axis);
+    }
+    middle
+}
