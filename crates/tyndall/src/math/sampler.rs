@@ -1,5 +1,6 @@
 //! The numbers that a path consumes: stratified over the samples of a pixel at first, independent later.
 
+use super::lanes::{Kernel, Lanes, Level};
 use super::random::{Rng, hash64};
 use super::{Vec2, sobol};
 
@@ -57,7 +58,8 @@ impl Sampler {
 
     #[inline(never)]
     fn refill(&mut self) {
-        self.numbers = sobol::point(self.index, self.key.wrapping_add(u64::from(self.batch)));
+        let key = self.key.wrapping_add(u64::from(self.batch));
+        self.numbers = Level::dispatch(Batch { index: self.index, key });
         self.batch += 1;
         self.used = 0;
     }
@@ -76,6 +78,21 @@ impl Sampler {
     #[inline(always)]
     pub fn rng(&mut self) -> &mut Rng {
         &mut self.rng
+    }
+}
+
+/// A batch of numbers: its four integers are computed side by side where the machine can.
+struct Batch {
+    index: u32,
+    key: u64,
+}
+
+impl Kernel for Batch {
+    type Output = [f32; sobol::BATCH];
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Self::Output {
+        sobol::point(self.index, self.key)
     }
 }
 
