@@ -187,7 +187,8 @@ impl Geometry {
         match (self.form(hit.shape), hit.instance) {
             (Form::Mesh(mesh), None) => {
                 let reach = rounding(ray.origin.as_dvec3() + hit.t as f64 * ray.direction.as_dvec3());
-                place(hit, mesh.meet(hit.triangle, hit.barycentrics, reach), reach)
+                let (point, frame) = mesh.meet(hit.triangle, hit.barycentrics, reach);
+                place(hit, point, frame, reach)
             }
             _ => self.other_surface(ray, hit),
         }
@@ -208,7 +209,7 @@ impl Geometry {
                 let local = rounding(on_ray);
                 let reach = instance
                     .map_or(local, |i| local + rounding(i.to_world.transform_point3(on_ray)) * frobenius_inverse(i));
-                mesh.meet(hit.triangle, hit.barycentrics, reach)
+                mesh.meet(hit.triangle, hit.barycentrics, reach).0
             }
             Form::Sphere(sphere) => sphere.point(on_ray - sphere.center).into(),
             Form::Disk(disk) => disk.point(disk.local(on_ray)).into(),
@@ -223,7 +224,7 @@ impl Geometry {
             point = instance.place(point);
             epsilon = epsilon * frobenius(instance) + rounding(point.position);
         }
-        place(hit, point, epsilon)
+        place(hit, point, None, epsilon)
     }
 }
 
@@ -242,16 +243,19 @@ impl Instance {
     }
 }
 
-/// Rounds a point of the world and gives it its shading frame.
-#[inline]
-fn place(hit: &Hit, p: LocalPoint, epsilon: f64) -> SurfacePoint {
+/// Rounds a point of the world and gives it its shading frame, if it has none yet.
+#[inline(always)]
+fn place(hit: &Hit, p: LocalPoint, frame: Option<&Frame>, epsilon: f64) -> SurfacePoint {
     let normal = p.normal.as_vec3();
-    let away = p.shading_normal.dot(normal) < 0.0;
-    let shading_normal = if away { -p.shading_normal } else { p.shading_normal };
+    let frame_along = || {
+        let away = p.shading_normal.dot(normal) < 0.0;
+        let shading_normal = if away { -p.shading_normal } else { p.shading_normal };
+        Frame::from_normal_and_tangent(shading_normal, p.dp_du)
+    };
     SurfacePoint {
         position: p.position.as_vec3(),
         normal,
-        shading: Frame::from_normal_and_tangent(shading_normal, p.dp_du),
+        shading: frame.copied().unwrap_or_else(frame_along),
         uv: p.uv,
         dp_du: p.dp_du,
         dp_dv: p.dp_dv,
@@ -329,6 +333,7 @@ impl Mesh {
             + size_of_val(&*self.normals)
             + size_of_val(&*self.uvs)
             + size_of_val(&*self.triangles)
+            + size_of_val(&*self.facets)
             + attributes
     }
 }
