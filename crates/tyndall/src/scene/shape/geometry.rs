@@ -3,12 +3,12 @@
 use super::compile::compile;
 use super::mesh::Mesh;
 use super::quadric::Point;
-use super::sample::cumulative_areas;
+use super::sample::{Patch, cumulative_areas};
 use super::surface::SurfacePoint;
 use super::tree::{Any, Nearest, Search, Seen, Through, Tree, Want, frobenius};
 use super::{Form, GeometryError, Instance, Problem};
 use crate::math::lanes::Level;
-use crate::math::{Aabb, Frame, Ray, Vec2, Vec3};
+use crate::math::{Aabb, Frame, PerArea, Ray, Vec2, Vec3};
 use crate::scene::desc::ShapeDesc;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -31,8 +31,12 @@ pub(super) struct Shape {
     pub(super) form: Form,
     /// Area, m^2; zero for instances.
     pub(super) area: f64,
+    /// Density of points uniform over the area; zero without area.
+    pub(super) area_pdf: PerArea,
     /// Running sums of the triangle areas of emitting meshes, for sampling.
     pub(super) cumulative: Vec<f64>,
+    /// Their triangles.
+    pub(super) patches: Vec<Patch>,
 }
 
 /// Where a ray hits a surface.
@@ -148,7 +152,7 @@ impl Geometry {
     pub fn memory_bytes(&self) -> usize {
         let shape = |s: &Shape| {
             let mesh = if let Form::Mesh(mesh) = &s.form { mesh.memory_bytes() } else { 0 };
-            mesh + size_of::<Shape>() + size_of_val(&*s.cumulative)
+            mesh + size_of::<Shape>() + size_of_val(&*s.cumulative) + size_of_val(&*s.patches)
         };
         self.shapes.iter().map(shape).sum::<usize>() + self.trees.iter().map(Tree::memory_bytes).sum::<usize>()
     }
@@ -309,10 +313,11 @@ fn frobenius_inverse(instance: &Instance) -> f64 {
 impl Shape {
     fn new(desc: &ShapeDesc, groups: Option<usize>) -> Result<Self, GeometryError> {
         let form = compile(desc, groups)?;
-        let mut cumulative = Vec::new();
+        let (mut cumulative, mut patches) = (Vec::new(), Vec::new());
         let area = match &form {
             Form::Mesh(mesh) if desc.emission.is_some() => {
                 cumulative = cumulative_areas(mesh);
+                patches = (0..mesh.triangles.len()).map(|i| Patch::new(mesh, i)).collect();
                 cumulative.last().copied().unwrap_or(0.0)
             }
             Form::Mesh(mesh) => (0..mesh.triangles.len()).map(|i| mesh.triangle_area(i)).sum(),
@@ -321,7 +326,8 @@ impl Shape {
             Form::Cylinder(cylinder) => cylinder.area(),
             Form::Instance(_) => 0.0,
         };
-        Ok(Self { form, area, cumulative })
+        let area_pdf = PerArea(if area > 0.0 { (1.0 / area) as f32 } else { 0.0 });
+        Ok(Self { form, area, area_pdf, cumulative, patches })
     }
 }
 
