@@ -18,7 +18,8 @@ const BATCHES_PER_LEG: u32 = 4;
 pub struct Sampler {
     rng: Rng,
     key: u64,
-    index: u32,
+    /// The index of the sample, its bits reversed.
+    reversed: u32,
     batch: u32,
     end: u32,
     used: usize,
@@ -32,7 +33,8 @@ impl Sampler {
     pub fn new(seed: u64, stream: u64, index: u32) -> Self {
         let rng = Rng::keyed(seed, stream, u64::from(index));
         let key = hash64(seed.wrapping_add(0x9e37_79b9_7f4a_7c15) ^ hash64(stream));
-        Self { rng, key, index, batch: 0, end: 1, used: sobol::BATCH, numbers: [0.0; sobol::BATCH] }
+        let reversed = index.reverse_bits();
+        Self { rng, key, reversed, batch: 0, end: 1, used: sobol::BATCH, numbers: [0.0; sobol::BATCH] }
     }
 
     /// Continues with the dimensions of leg number `leg` (0 = the leg that leaves the sensor or the emitter).
@@ -59,7 +61,7 @@ impl Sampler {
     #[inline(never)]
     fn refill(&mut self) {
         let key = self.key.wrapping_add(u64::from(self.batch));
-        self.numbers = Level::dispatch(Batch { index: self.index, key });
+        self.numbers = Level::dispatch(Batch { reversed: self.reversed, key });
         self.batch += 1;
         self.used = 0;
     }
@@ -83,7 +85,7 @@ impl Sampler {
 
 /// A batch of numbers: its four integers are computed side by side where the machine can.
 struct Batch {
-    index: u32,
+    reversed: u32,
     key: u64,
 }
 
@@ -92,7 +94,7 @@ impl Kernel for Batch {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Self::Output {
-        sobol::point(self.index, self.key)
+        sobol::point(self.reversed, self.key)
     }
 }
 

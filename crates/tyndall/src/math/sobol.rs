@@ -6,8 +6,8 @@ use super::random::{hash64, unit_f32};
 /// Dimensions of one batch.
 pub const BATCH: usize = 4;
 
-/// Bit-reversed direction numbers by byte of the index: `TABLE[k][b]` is the contribution of byte `k` having the value `b`
-/// to all dimensions. Dimension 0 is the bit-reversed index, so its reversed digits are the index itself.
+/// Bit-reversed direction numbers by byte of the reversed index: `TABLE[k][b]` is the contribution of byte `k` having the
+/// value `b` to all dimensions. Dimension 0 is the reversed index, so its reversed digits are the index itself.
 static TABLE: [[Digits; 256]; 4] = tables();
 
 /// Reversed digits of all dimensions, aligned for one load.
@@ -46,12 +46,12 @@ const fn tables() -> [[Digits; 256]; 4] {
         let mut value = 0;
         while value < 256 {
             let entry = &mut table[byte][value].0;
-            entry[0] = (value as u32) << (8 * byte);
             let mut bit = 0;
             while bit < 8 {
-                let mut d = 1;
+                let place = 31 - (byte * 8 + bit);
+                let mut d = 0;
                 while d < BATCH && value >> bit & 1 == 1 {
-                    entry[d] ^= dimensions[d - 1][byte * 8 + bit].reverse_bits();
+                    entry[d] ^= if d == 0 { 1 << place } else { dimensions[d - 1][place].reverse_bits() };
                     d += 1;
                 }
                 bit += 1;
@@ -73,21 +73,22 @@ fn permute(mut x: u32, seed: u32) -> u32 {
     x ^ x.wrapping_mul(0x53a2_2864)
 }
 
-/// Point `index` of the sequence that belongs to `key`: four coordinates in [0, 1).
+/// The point of the sequence that belongs to `key` whose index has the bits `reversed`, in reverse: four coordinates in
+/// [0, 1).
 ///
 /// Different keys give independently scrambled and shuffled sequences.
 #[inline(always)]
-pub fn point(index: u32, key: u64) -> [f32; BATCH] {
+pub fn point(reversed: u32, key: u64) -> [f32; BATCH] {
     // One seed for the shuffle and one for each dimension, from different bits of one hash.
     let seeds = hash64(key);
-    let digits = digits(permute(index.reverse_bits(), seeds as u32).reverse_bits());
+    let digits = digits(permute(reversed, seeds as u32));
     std::array::from_fn(|d| unit_f32(permute(digits[d], seeds.rotate_left(13 * (d as u32 + 1)) as u32).reverse_bits()))
 }
 
-/// Reversed digits of the coordinates of point `index`, before scrambling.
+/// Reversed digits of the coordinates of a point, before scrambling.
 #[inline(always)]
-fn digits(index: u32) -> [u32; BATCH] {
-    let [a, b, c, d] = index.to_le_bytes().map(usize::from);
+fn digits(reversed: u32) -> [u32; BATCH] {
+    let [a, b, c, d] = reversed.to_le_bytes().map(usize::from);
     let [Digits(a), Digits(b), Digits(c), Digits(d)] = [TABLE[0][a], TABLE[1][b], TABLE[2][c], TABLE[3][d]];
     std::array::from_fn(|i| a[i] ^ b[i] ^ c[i] ^ d[i])
 }
@@ -98,7 +99,7 @@ mod tests {
 
     #[test]
     fn first_points_are_those_of_joe_and_kuo() {
-        let raw = |index: u32, d: usize| digits(index)[d].reverse_bits() as f64 / 2f64.powi(32);
+        let raw = |index: u32, d: usize| digits(index.reverse_bits())[d].reverse_bits() as f64 / 2f64.powi(32);
         // Points 1 to 7 of dimension 2, in natural (not Gray code) order.
         let expected = [0.5, 0.75, 0.25, 0.625, 0.125, 0.375, 0.875];
         assert_eq!(std::array::from_fn(|i| raw(i as u32 + 1, 1)), expected);
@@ -116,7 +117,7 @@ mod tests {
     #[test]
     fn scrambled_prefixes_stay_stratified() {
         for key in 0..50 {
-            let points: Vec<_> = (0..256).map(|i| point(i, key)).collect();
+            let points: Vec<_> = (0..256_u32).map(|i| point(i.reverse_bits(), key)).collect();
             for shift in 0..=8 {
                 let (nx, ny) = (1usize << shift, 1usize << (8 - shift));
                 let mut cells = vec![0; 256];
