@@ -190,8 +190,8 @@ impl Bvh {
         if self.nodes.is_empty() {
             return;
         }
-        let low = splat::<L>(region.min.to_array());
-        let high = splat::<L>(region.max.to_array());
+        let low = splat::<L>(row(region.min).0);
+        let high = splat::<L>(row(region.max).0);
         self.any(f32::INFINITY, |node, _| node.overlap(&low, &high), |leaf, t_max| visit.leaf::<L>(leaf, t_max));
     }
 
@@ -231,15 +231,43 @@ impl Bvh {
 
 /// Three numbers, each in all lanes. (Closures over lanes may fail to be inlined, and then are slow: none is used.)
 #[inline(always)]
-fn splat<L: Lanes>([x, y, z]: [f32; 3]) -> [L; 3] {
+fn splat<L: Lanes>([x, y, z, ..]: [f32; WIDTH]) -> [L; 3] {
     [L::splat(x), L::splat(y), L::splat(z)]
 }
 
+/// A vector in the first lanes.
+#[inline(always)]
+fn row(v: Vec3) -> Row {
+    Row([v.x, v.y, v.z, 1.0, 1.0, 1.0, 1.0, 1.0])
+}
+
+/// Where the rows of planes are through which a ray enters and leaves, by axis, in bytes from the first one; by the axes
+/// along which the ray goes backward, as bits.
+static ROWS: [([usize; 3], [usize; 3]); WIDTH] = {
+    const ROW: usize = size_of::<Row>();
+    let mut rows = [([0, ROW, 2 * ROW], [3 * ROW, 4 * ROW, 5 * ROW]); WIDTH];
+    let mut backward = 0;
+    while backward < WIDTH {
+        let mut axis = 0;
+        while axis < 3 {
+            if backward >> axis & 1 == 1 {
+                rows[backward] = {
+                    let (mut enter, mut exit) = rows[backward];
+                    (enter[axis], exit[axis]) = (exit[axis], enter[axis]);
+                    (enter, exit)
+                };
+            }
+            axis += 1;
+        }
+        backward += 1;
+    }
+    rows
+};
+
 /// A ray made ready for slab tests (Kay and Kajiya 1986).
 struct Slab<L: Lanes> {
-    /// The row of planes through which the ray enters, by axis: bytes from the first one.
+    /// As in [`ROWS`].
     enter: [usize; 3],
-    /// The row of planes through which it leaves, alike.
     exit: [usize; 3],
     /// The origin, moved so that entries are early, ...
     enter_origin: [L; 3],
@@ -255,17 +283,19 @@ impl<L: Lanes> Slab<L> {
         // distances below have an error of three (relative, so no more than three of the way), and triangle tests have
         // a few of the distance.
         let start = ray.origin.abs().max_element();
-        let slack = (2.0 * start + largest) * (8.0 * 0.5 * f32::EPSILON);
-        let by = Vec3::splat(slack).copysign(ray.direction);
-        const ROW: usize = size_of::<Row>();
-        let backward = |d: f32| (d.to_bits() >> 31) as usize * (3 * ROW);
-        let (x, y, z) = (backward(ray.direction.x), backward(ray.direction.y), backward(ray.direction.z));
+        let slack = L::splat((2.0 * start + largest) * (8.0 * 0.5 * f32::EPSILON));
+        let zero = L::splat(0.0);
+        let origin = L::load(&row(ray.origin));
+        let inverse = L::splat(1.0).div(L::load(&row(ray.direction)));
+        let backward = inverse.lt(zero);
+        let by = zero.sub(slack).select(backward, slack);
+        let (enter, exit) = ROWS[(backward.bits() & 7) as usize];
         Self {
-            enter: [x, ROW + y, 2 * ROW + z],
-            exit: [3 * ROW - x, 4 * ROW - y, 5 * ROW - z],
-            enter_origin: splat((ray.origin + by).to_array()),
-            exit_origin: splat((ray.origin - by).to_array()),
-            inverse: splat(ray.direction.recip().to_array()),
+            enter,
+            exit,
+            enter_origin: splat(origin.add(by).store().0),
+            exit_origin: splat(origin.sub(by).store().0),
+            inverse: splat(inverse.store().0),
         }
     }
 

@@ -12,7 +12,7 @@ use crate::math::lanes::WIDTH;
 /// As many items are few. Trees over them have fewer levels than that.
 pub(super) const FEW: usize = 64;
 /// Cost of a visit to a node, in visits to a packet.
-const NODE: f32 = 0.7;
+const NODE: f32 = 0.5;
 
 /// A node of the binary tree.
 struct Binary {
@@ -31,7 +31,13 @@ struct Binary {
 
 /// The best subtree over `items`, up to [`FEW`] of them, which it reorders. Never a leaf.
 pub(super) fn refine(items: &mut [Item]) -> Tree {
-    Binary::new(items).wide()
+    let root = Binary::new(items);
+    if !root.leaf {
+        return root.wide();
+    }
+    let mut parts = Vec::new();
+    root.place(WIDTH, &mut parts);
+    Tree::Inner(parts)
 }
 
 impl Binary {
@@ -58,7 +64,8 @@ impl Binary {
         node.costs[0] = if node.leaf { packet } else { wide };
         for count in 2..=WIDTH {
             let (cost, share) = best(count);
-            let better = cost < node.costs[count - 2];
+            // Equal costs, of boxes without area: flat trees are better than deep ones.
+            let better = cost < node.costs[count - 2] || (cost == node.costs[count - 2] && !node.leaf);
             node.shares[count - 1] = if better { share } else { 0 };
             node.costs[count - 1] = if better { cost } else { node.costs[count - 2] };
         }
@@ -69,12 +76,8 @@ impl Binary {
     /// The wide node made of this one.
     fn wide(&self) -> Tree {
         let mut parts = Vec::with_capacity(WIDTH);
-        match &self.children {
-            None => parts.push((self.bounds, Tree::Leaf { len: self.len })),
-            Some(children) => {
-                children[0].place(self.share, &mut parts);
-                children[1].place(WIDTH - self.share, &mut parts);
-            }
+        for (child, count) in self.children.iter().flat_map(|c| c.iter()).zip([self.share, WIDTH - self.share]) {
+            child.place(count, &mut parts);
         }
         Tree::Inner(parts)
     }
@@ -95,7 +98,8 @@ impl Binary {
 
 /// Sorts the items so that the cheapest split is after the first few; returns how many.
 fn halve(items: &mut [Item]) -> usize {
-    let mut best: Option<(f32, usize, usize)> = None;
+    // Least cost, then nearest to the middle; the place and the axis.
+    let mut best = (f32::INFINITY, usize::MAX, items.len() / 2, 2);
     let sort = |items: &mut [Item], axis: usize| {
         items.sort_unstable_by(|a, b| a.centre()[axis].total_cmp(&b.centre()[axis]).then(a.index.cmp(&b.index)));
     };
@@ -113,12 +117,13 @@ fn halve(items: &mut [Item]) -> usize {
             bounds = bounds.union(items[i - 1].bounds);
             eighths += items[i - 1].cost;
             let cost = bounds.half_area() * eighths as f32 + after[i];
-            if best.is_none_or(|(least, ..)| cost < least) {
-                best = Some((cost, axis, i));
+            let aside = (2 * i).abs_diff(items.len());
+            if (cost, aside) < (best.0, best.1) {
+                best = (cost, aside, i, axis);
             }
         }
     }
-    let (_, axis, middle) = best.unwrap_or((0.0, 2, items.len() / 2));
+    let (.., middle, axis) = best;
     if axis != 2 {
         sort(items, axis);
     }

@@ -251,15 +251,18 @@ impl Instance {
 #[inline(always)]
 fn place(hit: &Hit, p: LocalPoint, frame: Option<&Frame>, epsilon: f64) -> SurfacePoint {
     let normal = p.normal.as_vec3();
-    let frame_along = || {
-        let away = p.shading_normal.dot(normal) < 0.0;
-        let shading_normal = if away { -p.shading_normal } else { p.shading_normal };
-        Frame::from_normal_and_tangent(shading_normal, p.dp_du)
+    let shading = match frame {
+        Some(frame) => *frame,
+        None => {
+            let away = p.shading_normal.dot(normal) < 0.0;
+            let shading_normal = if away { -p.shading_normal } else { p.shading_normal };
+            Frame::from_normal_and_tangent(shading_normal, p.dp_du)
+        }
     };
     SurfacePoint {
         position: p.position.as_vec3(),
         normal,
-        shading: frame.copied().unwrap_or_else(frame_along),
+        shading,
         uv: p.uv,
         dp_du: p.dp_du,
         dp_dv: p.dp_dv,

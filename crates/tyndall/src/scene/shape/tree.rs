@@ -114,13 +114,19 @@ impl Tree {
     }
 
     /// The shape and the triangle of a surface number.
+    #[inline(always)]
     fn locate(&self, surface: u32) -> (u32, u32) {
         let surface = surface & !TRANSPARENT;
         let shape = match self.table.get(surface as usize) {
             Some(shape) => *shape,
-            None => self.firsts.partition_point(|first| *first <= surface) as u32 - 1,
+            None => self.search_shape(surface),
         };
         (self.first_shape + shape, surface - self.firsts[shape as usize])
+    }
+
+    #[inline(never)]
+    fn search_shape(&self, surface: u32) -> u32 {
+        self.firsts.partition_point(|first| *first <= surface) as u32 - 1
     }
 
     #[inline(always)]
@@ -306,6 +312,7 @@ impl<W: Want> Search<'_, W> {
 
 impl Meeting {
     /// Looks the shape and the triangle up.
+    #[inline(always)]
     pub(super) fn hit(&self, geometry: &Geometry) -> super::Hit {
         let tree = match self.instance.map(|i| &geometry.shapes[i as usize].form) {
             Some(Form::Instance(instance)) => &geometry.trees[1 + instance.group as usize],
