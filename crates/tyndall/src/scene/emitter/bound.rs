@@ -134,7 +134,8 @@ impl Importance {
         }
         // The largest cosine to the axis over the arc of directions from the centre to the segment: at an end, or where
         // the arc passes the axis, which it does when the cosine rises at the start and falls at the end.
-        let start = (-to_centre).normalize_or_zero();
+        // The start is not at the centre: it would have been near.
+        let start = -to_centre * to_centre.length_recip();
         let end = (ray.at(t_max) - self.centre).normalize_or_zero();
         let across = (end - start * start.dot(end)).normalize_or_zero();
         let (a, b) = (self.axis.dot(start), self.axis.dot(across));
