@@ -3,7 +3,7 @@
 //! A binary tree is grown down to single items by a full sweep of the surface-area heuristic. Dynamic programming then
 //! decides which of its subtrees become leaves and which of its nodes become wide ones, so that the expected cost of
 //! a ray is the least (Ylitie, Karras and Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed
-//! Wide BVHs", section 3.1).
+//! Wide BVHs").
 
 use super::build::{Item, Tree, cost};
 use crate::math::Aabb;
