@@ -1,6 +1,7 @@
 //! Building the hierarchy: the binary tree of the surface-area heuristic, opened eight children at a time.
 
-use super::bvh::{Bvh, FREE_DEPTH, LEAF, Node};
+use super::bvh::{Bvh, FREE_DEPTH, LEAF, Node, REFINE_DEPTH};
+use super::refine::{FEW, refine};
 use crate::math::lanes::WIDTH;
 use crate::math::{Aabb, Vec3};
 use rayon::prelude::*;
@@ -15,17 +16,17 @@ const PARALLEL_BIN: usize = 65536;
 
 /// An item while the tree is built.
 #[derive(Clone, Copy)]
-struct Item {
-    bounds: Aabb,
-    index: u32,
+pub(super) struct Item {
+    pub(super) bounds: Aabb,
+    pub(super) index: u32,
     /// Cost, in eighths of a packet of eight.
-    cost: u32,
+    pub(super) cost: u32,
 }
 
 impl Item {
     /// Twice the centre.
     #[inline(always)]
-    fn centre(&self) -> Vec3 {
+    pub(super) fn centre(&self) -> Vec3 {
         self.bounds.min + self.bounds.max
     }
 }
@@ -42,7 +43,7 @@ struct Cluster {
 }
 
 /// A subtree before it is written down.
-enum Tree {
+pub(super) enum Tree {
     Leaf { len: usize },
     Inner(Vec<(Aabb, Tree)>),
 }
@@ -103,6 +104,9 @@ fn grow(items: &mut [Item], cluster: Cluster, depth: usize) -> Tree {
     if items.len() <= WIDTH && depth > 0 {
         return Tree::Leaf { len: items.len() };
     }
+    if items.len() <= FEW && depth < REFINE_DEPTH {
+        return refine(items);
+    }
     let mut clusters = vec![Cluster { first: 0, ..cluster }];
     while clusters.len() < WIDTH {
         // Open the largest box, leaves last; the first one of equals.
@@ -153,7 +157,7 @@ fn split(items: &mut [Item], cluster: Cluster, depth: usize) -> (Cluster, Cluste
 
 /// The expected cost of visits to a leaf, or to as many packets.
 #[inline(always)]
-fn cost(bounds: Aabb, eighths: u64) -> f32 {
+pub(super) fn cost(bounds: Aabb, eighths: u64) -> f32 {
     bounds.half_area() * eighths.div_ceil(WIDTH as u64) as f32
 }
 

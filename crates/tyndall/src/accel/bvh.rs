@@ -4,6 +4,7 @@
 //! consecutive items in that order: a user keeps one structure-of-arrays packet a leaf, indexed by the leaf's number.
 
 use super::build;
+use super::refine::FEW;
 use super::stack::Stack;
 use crate::math::lanes::{Lanes, Mask, Row, WIDTH};
 use crate::math::{Aabb, Ray, Vec3};
@@ -35,8 +36,10 @@ pub(super) const LEAF: u32 = 1 << 31;
 
 /// Nodes deeper than this halve their number of packets with each level, ...
 pub(super) const FREE_DEPTH: usize = 32;
+/// ... and only above this one may their subtrees have any shape, ...
+pub(super) const REFINE_DEPTH: usize = 16;
 /// ... and 2^31 items make 2^28 packets, so that no path is longer than this.
-const MAX_DEPTH: usize = FREE_DEPTH + 28;
+const MAX_DEPTH: usize = if FREE_DEPTH + 28 > REFINE_DEPTH + FEW { FREE_DEPTH + 28 } else { REFINE_DEPTH + FEW };
 /// Each level leaves at most seven children waiting; the last one may put down eight.
 const STACK: usize = 7 * MAX_DEPTH + WIDTH;
 
@@ -120,12 +123,13 @@ impl Bvh {
         let slab = Slab::<L>::new(ray, self.largest);
         let mut t_max = t_max.min(f32::MAX);
         let mut stack = Stack::<u64, STACK>::new();
+        let mut waiting = 0;
         let mut current = 0;
         loop {
             if current & LEAF != 0 {
                 t_max = visit.leaf::<L>(current & !LEAF, t_max);
             } else {
-                let node = &self.nodes[current as usize];
+                let node = self.node(current);
                 let (near, mut hits) = slab.meet(node, t_max);
                 if hits != 0 {
                     let lane = hits.trailing_zeros() as usize;
@@ -138,20 +142,25 @@ impl Bvh {
                     // Distances are not negative: their bits sort as they do.
                     let key = |lane: usize| (near[lane & 7].to_bits() as u64) << 32 | node.children[lane & 7] as u64;
                     let mut nearest = key(lane);
-                    let base = stack.len;
+                    let base = waiting;
                     while hits != 0 {
                         let next = key(hits.trailing_zeros() as usize);
                         hits &= hits - 1;
                         let farther = nearest.max(next);
                         nearest = nearest.min(next);
-                        stack.push_sorted(base, farther);
+                        stack.insert(base, waiting, farther);
+                        waiting += 1;
                     }
                     current = nearest as u32;
                     continue;
                 }
             }
             current = loop {
-                let Some(key) = stack.pop() else { return };
+                if waiting == 0 {
+                    return;
+                }
+                waiting -= 1;
+                let key = stack.get(waiting);
                 if f32::from_bits((key >> 32) as u32) <= t_max {
                     break key as u32;
                 }
@@ -181,8 +190,8 @@ impl Bvh {
         if self.nodes.is_empty() {
             return;
         }
-        let low = splat::<L>(region.min.to_array());
-        let high = splat::<L>(region.max.to_array());
+        let low = splat::<L>(row(region.min).0);
+        let high = splat::<L>(row(region.max).0);
         self.any(f32::INFINITY, |node, _| node.overlap(&low, &high), |leaf, t_max| visit.leaf::<L>(leaf, t_max));
     }
 
@@ -190,8 +199,11 @@ impl Bvh {
     #[inline(always)]
     fn any(&self, mut t_max: f32, meet: impl Fn(&Node, f32) -> u32, mut leaf: impl FnMut(u32, f32) -> f32) {
         let mut stack = Stack::<u32, STACK>::new();
-        stack.push(0);
-        while let Some(current) = stack.pop() {
+        stack.set(0, 0);
+        let mut waiting = 1;
+        while waiting > 0 {
+            waiting -= 1;
+            let current = stack.get(waiting);
             if current & LEAF != 0 {
                 t_max = leaf(current & !LEAF, t_max);
                 if t_max < 0.0 {
@@ -199,27 +211,63 @@ impl Bvh {
                 }
                 continue;
             }
-            let node = &self.nodes[current as usize];
+            let node = self.node(current);
             let mut hits = meet(node, t_max);
             while hits != 0 {
-                stack.push(node.children[hits.trailing_zeros() as usize & 7]);
+                stack.set(waiting, node.children[hits.trailing_zeros() as usize & 7]);
+                waiting += 1;
                 hits &= hits - 1;
             }
         }
+    }
+
+    #[inline(always)]
+    fn node(&self, index: u32) -> &Node {
+        debug_assert!((index as usize) < self.nodes.len());
+        // SAFETY: the root exists where there are nodes at all, and `children` name nodes of this hierarchy.
+        unsafe { self.nodes.get_unchecked(index as usize) }
     }
 }
 
 /// Three numbers, each in all lanes. (Closures over lanes may fail to be inlined, and then are slow: none is used.)
 #[inline(always)]
-fn splat<L: Lanes>([x, y, z]: [f32; 3]) -> [L; 3] {
+fn splat<L: Lanes>([x, y, z, ..]: [f32; WIDTH]) -> [L; 3] {
     [L::splat(x), L::splat(y), L::splat(z)]
 }
 
+/// A vector in the first lanes.
+#[inline(always)]
+fn row(v: Vec3) -> Row {
+    Row([v.x, v.y, v.z, 1.0, 1.0, 1.0, 1.0, 1.0])
+}
+
+/// Where the rows of planes are through which a ray enters and leaves, by axis, in bytes from the first one; by the axes
+/// along which the ray goes backward, as bits.
+static ROWS: [([usize; 3], [usize; 3]); WIDTH] = {
+    const ROW: usize = size_of::<Row>();
+    let mut rows = [([0, ROW, 2 * ROW], [3 * ROW, 4 * ROW, 5 * ROW]); WIDTH];
+    let mut backward = 0;
+    while backward < WIDTH {
+        let mut axis = 0;
+        while axis < 3 {
+            if backward >> axis & 1 == 1 {
+                rows[backward] = {
+                    let (mut enter, mut exit) = rows[backward];
+                    (enter[axis], exit[axis]) = (exit[axis], enter[axis]);
+                    (enter, exit)
+                };
+            }
+            axis += 1;
+        }
+        backward += 1;
+    }
+    rows
+};
+
 /// A ray made ready for slab tests (Kay and Kajiya 1986).
 struct Slab<L: Lanes> {
-    /// Row of the plane through which the ray enters, by axis.
+    /// As in [`ROWS`].
     enter: [usize; 3],
-    /// Row of the plane through which the ray leaves, by axis.
     exit: [usize; 3],
     /// The origin, moved so that entries are early, ...
     enter_origin: [L; 3],
@@ -235,32 +283,35 @@ impl<L: Lanes> Slab<L> {
         // distances below have an error of three (relative, so no more than three of the way), and triangle tests have
         // a few of the distance.
         let start = ray.origin.abs().max_element();
-        let slack = (2.0 * start + largest) * (8.0 * 0.5 * f32::EPSILON);
-        let by = Vec3::splat(slack).copysign(ray.direction);
-        let backward = |d: f32| 3 * (d.to_bits() >> 31) as usize;
-        let (x, y, z) = (backward(ray.direction.x), backward(ray.direction.y), backward(ray.direction.z));
+        let slack = L::splat((2.0 * start + largest) * (8.0 * 0.5 * f32::EPSILON));
+        let zero = L::splat(0.0);
+        let origin = L::load(&row(ray.origin));
+        let inverse = L::splat(1.0).div(L::load(&row(ray.direction)));
+        let backward = inverse.lt(zero);
+        let by = zero.sub(slack).select(backward, slack);
+        let (enter, exit) = ROWS[(backward.bits() & 7) as usize];
         Self {
-            enter: [x, 1 + y, 2 + z],
-            exit: [3 - x, 4 - y, 5 - z],
-            enter_origin: splat((ray.origin + by).to_array()),
-            exit_origin: splat((ray.origin - by).to_array()),
-            inverse: splat(ray.direction.recip().to_array()),
+            enter,
+            exit,
+            enter_origin: splat(origin.add(by).store().0),
+            exit_origin: splat(origin.sub(by).store().0),
+            inverse: splat(inverse.store().0),
         }
     }
 
     /// Where the ray passes the planes through which it enters.
     #[inline(always)]
     fn entry(&self, node: &Node, axis: usize) -> L {
-        // SAFETY: `enter` holds numbers from 0 to 5.
-        let row = unsafe { node.planes.get_unchecked(self.enter[axis]) };
+        // SAFETY: `enter` holds the places of the rows 0 to 5.
+        let row = unsafe { &*node.planes.as_ptr().byte_add(self.enter[axis]) };
         L::load(row).sub(self.enter_origin[axis]).mul(self.inverse[axis])
     }
 
     /// Where the ray passes the planes through which it leaves.
     #[inline(always)]
     fn leaving(&self, node: &Node, axis: usize) -> L {
-        // SAFETY: `exit` holds numbers from 0 to 5.
-        let row = unsafe { node.planes.get_unchecked(self.exit[axis]) };
+        // SAFETY: `exit` holds the places of the rows 0 to 5.
+        let row = unsafe { &*node.planes.as_ptr().byte_add(self.exit[axis]) };
         L::load(row).sub(self.exit_origin[axis]).mul(self.inverse[axis])
     }
 

@@ -197,15 +197,32 @@ fn every_item_is_in_one_leaf() {
 
 #[test]
 fn costly_items_are_set_apart() {
-    let flat = |y: f32| Aabb { min: Vec3::new(-3.0, y, -3.0), max: Vec3::new(3.0, y, 3.0) };
-    let small = |y: f32, r: f32| Aabb { min: Vec3::new(-r, y - r, -r), max: Vec3::new(r, y + r, r) };
-    let boxes =
-        [flat(-3.0), flat(-3.0), flat(-2.0), flat(-2.0), small(0.0, 0.7), small(2.6, 0.1), flat(3.0), flat(3.0)];
+    let cube = |(x, r): (f32, f32)| Aabb { min: Vec3::X * x - r, max: Vec3::X * x + r };
+    let mut boxes = [(0.0, 3.0); 8].map(cube);
+    (boxes[4], boxes[5]) = (cube((-0.5, 2.4)), cube((0.5, 2.5)));
     let alone = |bvh: &Bvh| {
         (0..bvh.leaf_count() as u32).filter(|l| [[4], [5]].iter().any(|a| bvh.order()[bvh.leaf(*l)] == *a)).count()
     };
     assert_eq!(alone(&Bvh::build(&boxes)), 0);
     assert_eq!(alone(&Bvh::build_with_costs(&boxes, |i| if i == 4 || i == 5 { 8 } else { 1 })), 2);
+}
+
+/// Six flat walls and two blocks within: every ray meets few of them.
+#[test]
+fn few_items_get_the_best_tree() {
+    let wall = |axis: usize, at: f32| {
+        let mut wall = Aabb { min: Vec3::splat(-1.0), max: Vec3::ONE };
+        (wall.min[axis], wall.max[axis]) = (at, at);
+        wall
+    };
+    let block = |x: f32| Aabb { min: Vec3::new(x, -1.0, -0.3), max: Vec3::new(x + 0.5, 0.0, 0.3) };
+    let mut boxes: Vec<Aabb> = (0..3).flat_map(|axis| [wall(axis, -1.0), wall(axis, 1.0)]).collect();
+    boxes.extend([block(-0.7), block(0.2)]);
+    let thrice: Vec<Aabb> = boxes.iter().flat_map(|b| [*b; 3]).collect();
+    let bvh = Bvh::build(&thrice);
+    assert_eq!(bvh.leaf_count(), boxes.len());
+    let up = Ray { origin: Vec3::new(0.0, 0.5, 0.0), direction: Vec3::new(0.1, 1.0, 0.1).normalize() };
+    assert_eq!(visited(&bvh, Query::Nearest(up, f32::INFINITY)).len(), 1);
 }
 
 #[test]

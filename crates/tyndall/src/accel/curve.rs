@@ -6,8 +6,8 @@
 //! time.
 
 use super::bvh::{Bvh, LEAF, Node};
-use crate::math::lanes::WIDTH;
 use crate::math::Aabb;
+use crate::math::lanes::WIDTH;
 use rayon::prelude::*;
 
 /// Bits of the curve for each axis.

@@ -283,19 +283,21 @@ impl Kernel for Nearest<'_> {
         let Self { tree, x, found } = self;
         let x = [L::splat(x.x), L::splat(x.y), L::splat(x.z)];
         let mut stack = Stack::<u64, STACK>::new();
+        let mut waiting = 0;
         let mut current = 0;
         loop {
             if let Some(node) = tree.nodes.get(current) {
                 let squared = node.squared(&x);
                 let mut hits = squared.le(L::splat(found.reach())).bits();
                 let squared = squared.store().0;
-                let base = stack.len;
+                let base = waiting;
                 while hits != 0 {
                     let lane = hits.trailing_zeros() as usize;
                     hits &= hits - 1;
                     // Squares are not negative: their bits sort as they do.
                     let child = tree.child(current, lane);
-                    stack.push_sorted(base, (squared[lane & 7].to_bits() as u64) << 32 | child as u64);
+                    stack.insert(base, waiting, (squared[lane & 7].to_bits() as u64) << 32 | child as u64);
+                    waiting += 1;
                     match tree.nodes.get(child) {
                         Some(node) => prefetch(std::slice::from_ref(node)),
                         None => prefetch(&tree.packets[tree.leaf(child - tree.nodes.len())]),
@@ -314,7 +316,11 @@ impl Kernel for Nearest<'_> {
                 }
             }
             current = loop {
-                let Some(key) = stack.pop() else { return };
+                if waiting == 0 {
+                    return;
+                }
+                waiting -= 1;
+                let key = stack.get(waiting);
                 if f32::from_bits((key >> 32) as u32) <= found.reach() {
                     break key as u32 as usize;
                 }

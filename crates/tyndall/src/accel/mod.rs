@@ -58,16 +58,19 @@
 
 mod build;
 pub mod bvh;
+pub mod curve;
 pub mod grid;
 pub mod kdtree;
 mod neighbours;
 #[cfg(test)]
 mod point_sets;
 mod prefetch;
+mod refine;
 mod stack;
 pub mod triangle;
 
 pub use bvh::{Bvh, Visit};
+pub use curve::CurveBuilder;
 pub use grid::Grid;
 pub use kdtree::KdTree;
 pub use neighbours::Neighbours;

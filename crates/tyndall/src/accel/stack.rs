@@ -2,47 +2,45 @@
 
 use std::mem::MaybeUninit;
 
-/// A stack of fixed size without initialisation.
+/// The memory of a stack, without initialisation. Its user counts what is in it, so that the count stays in a register.
 pub(super) struct Stack<T, const N: usize> {
-    pub(super) len: usize,
     items: [MaybeUninit<T>; N],
 }
 
 impl<T: Copy + Ord, const N: usize> Stack<T, N> {
     #[inline(always)]
     pub(super) fn new() -> Self {
-        Self { len: 0, items: [const { MaybeUninit::uninit() }; N] }
+        Self { items: [const { MaybeUninit::uninit() }; N] }
     }
 
+    /// Puts an item down at `at`, which is the number of those below.
     #[inline(always)]
-    pub(super) fn push(&mut self, item: T) {
-        debug_assert!(self.len < N, "a path longer than any");
+    pub(super) fn set(&mut self, at: usize, item: T) {
+        debug_assert!(at < N, "a path longer than any");
         // SAFETY: users choose `N` so that no path through their tree needs more.
-        unsafe { self.items.get_unchecked_mut(self.len) }.write(item);
-        self.len += 1;
+        unsafe { self.items.get_unchecked_mut(at) }.write(item);
     }
 
-    /// Pushes below the smaller ones among the items from `base` on.
+    /// The item at `at`, where one was put down.
     #[inline(always)]
-    pub(super) fn push_sorted(&mut self, base: usize, item: T) {
-        let mut at = self.len;
+    pub(super) fn get(&self, at: usize) -> T {
+        debug_assert!(at < N, "a path longer than any");
+        // SAFETY: within the stack as above, and initialised.
+        unsafe { self.items.get_unchecked(at).assume_init() }
+    }
+
+    /// Adds to `len` items one, below the smaller ones among those from `base` on.
+    #[inline(always)]
+    pub(super) fn insert(&mut self, base: usize, len: usize, item: T) {
+        let mut at = len;
         while at > base {
-            // SAFETY: items below `len` are initialised.
-            let below = unsafe { self.items[at - 1].assume_init() };
+            let below = self.get(at - 1);
             if below >= item {
                 break;
             }
-            self.items[at].write(below);
+            self.set(at, below);
             at -= 1;
         }
-        self.items[at].write(item);
-        self.len += 1;
-    }
-
-    #[inline(always)]
-    pub(super) fn pop(&mut self) -> Option<T> {
-        self.len = self.len.checked_sub(1)?;
-        // SAFETY: items below the former `len` are initialised.
-        Some(unsafe { self.items[self.len].assume_init() })
+        self.set(at, item);
     }
 }

@@ -21,10 +21,10 @@ pub struct TrianglePacket {
 
 /// A ray made ready for triangle tests.
 #[derive(Clone, Copy, Debug)]
-pub struct TriangleRay {
-    ray: Ray,
-    /// The axes, the one with the largest direction component last.
-    axes: [usize; 3],
+pub struct TriangleRay<'a> {
+    ray: &'a Ray,
+    /// The axes, the one with the largest direction component last: bytes from the first row of a corner.
+    rows: [usize; 3],
     /// The origin, by these axes.
     origin: [f32; 3],
     shear: Vec2,
@@ -42,20 +42,26 @@ pub struct TriangleHit {
     pub barycentrics: Vec2,
 }
 
-impl TriangleRay {
+impl<'a> TriangleRay<'a> {
     /// Prepares the ray; its direction need not be a unit vector but must not be zero.
     #[inline(always)]
-    pub fn new(ray: &Ray) -> Self {
-        let (d, o, a) = (ray.direction, ray.origin, ray.direction.abs());
-        let (axes, direction, origin) = if a.x >= a.y && a.x >= a.z {
-            ([1, 2, 0], [d.y, d.z, d.x], [o.y, o.z, o.x])
-        } else if a.y >= a.z {
-            ([2, 0, 1], [d.z, d.x, d.y], [o.z, o.x, o.y])
-        } else {
-            ([0, 1, 2], [d.x, d.y, d.z], [o.x, o.y, o.z])
+    pub fn new(ray: &'a Ray) -> Self {
+        const NEXT: [usize; 3] = [1, 2, 0];
+        let (d, o, a) = (ray.direction.to_array(), ray.origin.to_array(), ray.direction.abs());
+        let z = match a.x >= a.y {
+            true => 2 * usize::from(!(a.x >= a.z)),
+            false => 1 + usize::from(!(a.y >= a.z)),
         };
-        let scale = 1.0 / direction[2];
-        Self { ray: *ray, axes, origin, shear: Vec2::new(direction[0] * scale, direction[1] * scale), scale }
+        let x = NEXT[z];
+        let y = NEXT[x];
+        let scale = 1.0 / d[z];
+        Self {
+            ray,
+            rows: [x, y, z].map(|axis| axis * size_of::<Row>()),
+            origin: [o[x], o[y], o[z]],
+            shear: Vec2::new(d[x] * scale, d[y] * scale),
+            scale,
+        }
     }
 }
 
@@ -82,10 +88,9 @@ impl TrianglePacket {
     /// The vertices `corner` seen from the ray, sheared so that it is the z axis.
     #[inline(always)]
     fn sheared<L: Lanes>(&self, corner: usize, ray: &TriangleRay) -> (L, L, L) {
-        let [kx, ky, kz] = ray.axes;
-        let rows = &self.vertices[corner];
-        // SAFETY: `axes` is a permutation of 0, 1, 2.
-        let (x, y, z) = unsafe { (rows.get_unchecked(kx), rows.get_unchecked(ky), rows.get_unchecked(kz)) };
+        let rows = self.vertices[corner].as_ptr();
+        // SAFETY: `rows` holds the places of the rows 0, 1, 2.
+        let [x, y, z] = ray.rows.map(|row| unsafe { &*rows.byte_add(row) });
         let z = L::load(z).sub(L::splat(ray.origin[2]));
         let x = L::load(x).sub(L::splat(ray.origin[0])).sub(L::splat(ray.shear.x).mul(z));
         let y = L::load(y).sub(L::splat(ray.origin[1])).sub(L::splat(ray.shear.y).mul(z));
@@ -135,7 +140,7 @@ impl TrianglePacket {
             // Where rounding could turn "just behind" into "just ahead", double precision decides.
             let t = match depth[lane] > error[lane] {
                 true => depth[lane] / sum[lane].abs(),
-                false => self.exact_distance(&ray.ray, lane),
+                false => self.exact_distance(ray.ray, lane),
             };
             if t > 0.0 && t < t_max {
                 let barycentrics = Vec2::new(v[lane] / sum[lane], w[lane] / sum[lane]);

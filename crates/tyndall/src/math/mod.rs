@@ -1,5 +1,6 @@
 //! Vectors, frames, transforms, warps, random numbers and measures.
 
+pub mod angle;
 pub mod bounds;
 pub mod frame;
 pub mod kernels;

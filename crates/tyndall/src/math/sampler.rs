@@ -1,5 +1,6 @@
 //! The numbers that a path consumes: stratified over the samples of a pixel at first, independent later.
 
+use super::lanes::{Kernel, Lanes, Level};
 use super::random::{Rng, hash64};
 use super::{Vec2, sobol};
 
@@ -17,7 +18,8 @@ const BATCHES_PER_LEG: u32 = 4;
 pub struct Sampler {
     rng: Rng,
     key: u64,
-    index: u32,
+    /// The index of the sample, its bits reversed.
+    reversed: u32,
     batch: u32,
     end: u32,
     used: usize,
@@ -31,7 +33,8 @@ impl Sampler {
     pub fn new(seed: u64, stream: u64, index: u32) -> Self {
         let rng = Rng::keyed(seed, stream, u64::from(index));
         let key = hash64(seed.wrapping_add(0x9e37_79b9_7f4a_7c15) ^ hash64(stream));
-        Self { rng, key, index, batch: 0, end: 1, used: sobol::BATCH, numbers: [0.0; sobol::BATCH] }
+        let reversed = index.reverse_bits();
+        Self { rng, key, reversed, batch: 0, end: 1, used: sobol::BATCH, numbers: [0.0; sobol::BATCH] }
     }
 
     /// Continues with the dimensions of leg number `leg` (0 = the leg that leaves the sensor or the emitter).
@@ -57,7 +60,8 @@ impl Sampler {
 
     #[inline(never)]
     fn refill(&mut self) {
-        self.numbers = sobol::point(self.index, self.key.wrapping_add(u64::from(self.batch)));
+        let key = self.key.wrapping_add(u64::from(self.batch));
+        self.numbers = Level::dispatch(Batch { reversed: self.reversed, key });
         self.batch += 1;
         self.used = 0;
     }
@@ -76,6 +80,21 @@ impl Sampler {
     #[inline(always)]
     pub fn rng(&mut self) -> &mut Rng {
         &mut self.rng
+    }
+}
+
+/// A batch of numbers: its four integers are computed side by side where the machine can.
+struct Batch {
+    reversed: u32,
+    key: u64,
+}
+
+impl Kernel for Batch {
+    type Output = [f32; sobol::BATCH];
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Self::Output {
+        sobol::point(self.reversed, self.key)
     }
 }
 

@@ -6,9 +6,14 @@ use super::random::{hash64, unit_f32};
 /// Dimensions of one batch.
 pub const BATCH: usize = 4;
 
-/// Bit-reversed direction numbers by byte of the index: `TABLE[d][k][b]` is the contribution of byte `k` having the
-/// value `b` to dimension `d + 1`. Dimension 0 is the bit-reversed index, so its reversed digits are the index itself.
-static TABLE: [[[u32; 256]; 4]; BATCH - 1] = tables();
+/// Bit-reversed direction numbers by byte of the reversed index: `TABLE[k][b]` is the contribution of byte `k` having the
+/// value `b` to all dimensions. Dimension 0 is the reversed index, so its reversed digits are the index itself.
+static TABLE: [[Digits; 256]; 4] = tables();
+
+/// Reversed digits of all dimensions, aligned for one load.
+#[derive(Clone, Copy)]
+#[repr(align(16))]
+struct Digits([u32; BATCH]);
 
 /// Direction numbers of one dimension from the degree, the inner coefficients of the primitive polynomial and the
 /// initial odd numbers (Joe and Kuo 2008).
@@ -33,27 +38,27 @@ const fn directions(degree: usize, coefficients: u32, initial: [u32; 3]) -> [u32
     v
 }
 
-const fn tables() -> [[[u32; 256]; 4]; BATCH - 1] {
+const fn tables() -> [[Digits; 256]; 4] {
     let dimensions = [directions(1, 0, [1, 0, 0]), directions(2, 1, [1, 3, 0]), directions(3, 1, [1, 3, 1])];
-    let mut table = [[[0u32; 256]; 4]; BATCH - 1];
-    let mut d = 0;
-    while d < BATCH - 1 {
-        let mut byte = 0;
-        while byte < 4 {
-            let mut value = 0;
-            while value < 256 {
-                let mut bit = 0;
-                while bit < 8 {
-                    if value >> bit & 1 == 1 {
-                        table[d][byte][value] ^= dimensions[d][byte * 8 + bit].reverse_bits();
-                    }
-                    bit += 1;
+    let mut table = [[Digits([0; BATCH]); 256]; 4];
+    let mut byte = 0;
+    while byte < 4 {
+        let mut value = 0;
+        while value < 256 {
+            let entry = &mut table[byte][value].0;
+            let mut bit = 0;
+            while bit < 8 {
+                let place = 31 - (byte * 8 + bit);
+                let mut d = 0;
+                while d < BATCH && value >> bit & 1 == 1 {
+                    entry[d] ^= if d == 0 { 1 << place } else { dimensions[d - 1][place].reverse_bits() };
+                    d += 1;
                 }
-                value += 1;
+                bit += 1;
             }
-            byte += 1;
+            value += 1;
         }
-        d += 1;
+        byte += 1;
     }
     table
 }
@@ -68,20 +73,24 @@ fn permute(mut x: u32, seed: u32) -> u32 {
     x ^ x.wrapping_mul(0x53a2_2864)
 }
 
-/// Point `index` of the sequence that belongs to `key`: four coordinates in [0, 1).
+/// The point of the sequence that belongs to `key` whose index has the bits `reversed`, in reverse: four coordinates in
+/// [0, 1).
 ///
 /// Different keys give independently scrambled and shuffled sequences.
-#[inline]
-pub fn point(index: u32, key: u64) -> [f32; BATCH] {
+#[inline(always)]
+pub fn point(reversed: u32, key: u64) -> [f32; BATCH] {
     // One seed for the shuffle and one for each dimension, from different bits of one hash.
     let seeds = hash64(key);
-    let index = permute(index.reverse_bits(), seeds as u32).reverse_bits();
-    let bytes = index.to_le_bytes();
-    let mut digits = [index; BATCH];
-    for (digits, table) in digits[1..].iter_mut().zip(&TABLE) {
-        *digits = (0..4).fold(0, |x, k| x ^ table[k][bytes[k] as usize]);
-    }
+    let digits = digits(permute(reversed, seeds as u32));
     std::array::from_fn(|d| unit_f32(permute(digits[d], seeds.rotate_left(13 * (d as u32 + 1)) as u32).reverse_bits()))
+}
+
+/// Reversed digits of the coordinates of a point, before scrambling.
+#[inline(always)]
+fn digits(reversed: u32) -> [u32; BATCH] {
+    let [a, b, c, d] = reversed.to_le_bytes().map(usize::from);
+    let [Digits(a), Digits(b), Digits(c), Digits(d)] = [TABLE[0][a], TABLE[1][b], TABLE[2][c], TABLE[3][d]];
+    std::array::from_fn(|i| a[i] ^ b[i] ^ c[i] ^ d[i])
 }
 
 #[cfg(test)]
@@ -90,15 +99,12 @@ mod tests {
 
     #[test]
     fn first_points_are_those_of_joe_and_kuo() {
-        let raw = |index: u32, d: usize| {
-            let reversed = (0..4).fold(0, |x, k| x ^ TABLE[d - 1][k][index.to_le_bytes()[k] as usize]);
-            reversed.reverse_bits() as f64 / 2f64.powi(32)
-        };
+        let raw = |index: u32, d: usize| digits(index.reverse_bits())[d].reverse_bits() as f64 / 2f64.powi(32);
         // Points 1 to 7 of dimension 2, in natural (not Gray code) order.
         let expected = [0.5, 0.75, 0.25, 0.625, 0.125, 0.375, 0.875];
         assert_eq!(std::array::from_fn(|i| raw(i as u32 + 1, 1)), expected);
         // Every dimension is a permutation of k/2^m on each prefix of 2^m points.
-        for d in 1..BATCH {
+        for d in 0..BATCH {
             for m in 0..10 {
                 let mut seen: Vec<u32> = (0..1u32 << m).map(|i| (raw(i, d) * f64::from(1u32 << m)) as u32).collect();
                 seen.sort_unstable();
@@ -111,7 +117,7 @@ mod tests {
     #[test]
     fn scrambled_prefixes_stay_stratified() {
         for key in 0..50 {
-            let points: Vec<_> = (0..256).map(|i| point(i, key)).collect();
+            let points: Vec<_> = (0..256_u32).map(|i| point(i.reverse_bits(), key)).collect();
             for shift in 0..=8 {
                 let (nx, ny) = (1usize << shift, 1usize << (8 - shift));
                 let mut cells = vec![0; 256];

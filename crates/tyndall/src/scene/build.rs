@@ -134,7 +134,7 @@ impl Scene {
         let mut votes: Vec<(Option<MediumId>, u32)> = Vec::new();
         for i in 0..RAYS {
             let direction = warp::square_to_sphere(Rng::keyed(0, 0, i).vec2());
-            let medium = self.first_boundary(Ray { origin: x, direction });
+            let Side::Of(medium) = self.first_boundary(Ray { origin: x, direction }) else { continue };
             match votes.iter_mut().find(|(m, _)| *m == medium) {
                 Some((_, count)) => *count += 1,
                 None => votes.push((medium, 1)),
@@ -144,40 +144,20 @@ impl Scene {
     }
 
     /// The medium on this side of the first boundary between media that `ray` meets.
-    fn first_boundary(&self, mut ray: Ray) -> Option<MediumId> {
+    fn first_boundary(&self, mut ray: Ray) -> Side {
         // Rays graze through many surfaces in a dense mesh; beyond this many the answer is as good as none.
         for _ in 0..1000 {
-            let hit = self.geometry.intersect(&ray, f32::INFINITY)?;
+            let Some(hit) = self.geometry.intersect(&ray, f32::INFINITY) else { return Side::Of(None) };
             let point = self.geometry.surface(&ray, &hit);
             if self.is_boundary(point.shape) {
-                return self.medium_towards(&point, -ray.direction, None);
+                return Side::Of(self.medium_towards(&point, -ray.direction, None));
+            }
+            if !self.bsdfs.traits(self.bsdf_of(point.shape)).transmits {
+                return Side::Unknown;
             }
             ray.origin = point.leave(ray.direction);
         }
-        None
-    }
-
-    /// Files rarely say in which medium an emitter stands. One point decides for a whole shape.
-    fn find_emission_media(&mut self, desc: &SceneDesc) {
-        if self.media.is_empty() {
-            return;
-        }
-        // The description's emitters come first among all.
-        let named = desc.emitters.iter().map(|emitter| emitter.medium).chain(std::iter::repeat(None));
-        let medium = |(emitter, named): (&Emitter, Option<MediumId>)| match emitter {
-            Emitter::Area(area) if self.is_boundary(area.shape) => self.attached(area.shape).exterior,
-            Emitter::Area(area) => {
-                // Off the middle, where edges tend to be.
-                let (point, _) = self.geometry.sample_area(area.shape, Vec2::new(0.37, 0.61))?;
-                self.medium_at(self.geometry.leave_emitter(area.shape, &point))
-            }
-            // Emitters at infinity have no position: their light comes through vacuum.
-            other => {
-                let position = other.position()?;
-                named.or_else(|| self.medium_at(position))
-            }
-        };
-        self.emission_media = self.lights.emitters().iter().zip(named).map(medium).collect();
+        Side::Unknown
     }
 
     /// Files rarely say that the camera stands in a medium.
@@ -191,6 +171,14 @@ impl Scene {
             self.notes.push(format!("the camera stands inside the medium `{name}` though the scene does not say so"));
         }
     }
+}
+
+/// What a ray tells of the medium at its start.
+enum Side {
+    /// It is this one.
+    Of(Option<MediumId>),
+    /// Nothing: an opaque surface without media on its sides comes first.
+    Unknown,
 }
 
 fn check_reference(user: &str, kind: &'static str, index: Option<usize>, count: usize) -> Result<(), BuildError> {

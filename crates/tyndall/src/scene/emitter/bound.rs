@@ -1,5 +1,6 @@
 //! Bounds of what a set of emitters can send: the currency of the light tree.
 
+use crate::math::angle::angle_of;
 use crate::math::{Aabb, Ray, Vec3};
 use std::f32::consts::PI;
 
@@ -126,7 +127,7 @@ impl Importance {
         let line2 = (to_centre - ray.direction * delta).length_squared();
         let height2 = line2.max(self.radius2).max(NEAR);
         let height = height2.sqrt();
-        let angle = (height * t_max).atan2(height2 - delta * (t_max - delta));
+        let angle = angle_of(height2 - delta * (t_max - delta), height * t_max);
         let t_near = delta.clamp(0.0, t_max);
         let near2 = line2 + (t_near - delta) * (t_near - delta);
         if near2 <= self.radius2.max(NEAR) {
@@ -134,7 +135,8 @@ impl Importance {
         }
         // The largest cosine to the axis over the arc of directions from the centre to the segment: at an end, or where
         // the arc passes the axis, which it does when the cosine rises at the start and falls at the end.
-        let start = (-to_centre).normalize_or_zero();
+        // The start is not at the centre: it would have been near.
+        let start = -to_centre * to_centre.length_recip();
         let end = (ray.at(t_max) - self.centre).normalize_or_zero();
         let across = (end - start * start.dot(end)).normalize_or_zero();
         let (a, b) = (self.axis.dot(start), self.axis.dot(across));

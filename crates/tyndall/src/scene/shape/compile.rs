@@ -96,7 +96,9 @@ impl Place<'_> {
         }
         let attributes = mesh.attributes.iter().map(|a| attribute(a, mesh)).collect::<Result<_, _>>()?;
         let uvs = mesh.uvs.iter().map(|uv| Vec2::from_array(*uv)).collect();
-        Ok(Mesh { positions, normals, uvs, triangles, attributes })
+        let mut mesh = Mesh { positions, normals, uvs, triangles, attributes, facets: Vec::new() };
+        mesh.note_facets();
+        Ok(mesh)
     }
 
     /// A mirrored sphere is turned inside out, as in Mitsuba.

@@ -3,12 +3,12 @@
 use super::compile::compile;
 use super::mesh::Mesh;
 use super::quadric::Point;
-use super::sample::cumulative_areas;
+use super::sample::{Patch, cumulative_areas};
 use super::surface::SurfacePoint;
 use super::tree::{Any, Nearest, Search, Seen, Through, Tree, Want, frobenius};
 use super::{Form, GeometryError, Instance, Problem};
 use crate::math::lanes::Level;
-use crate::math::{Aabb, Frame, Ray, Vec2, Vec3};
+use crate::math::{Aabb, Frame, PerArea, Ray, Vec2, Vec3};
 use crate::scene::desc::ShapeDesc;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -31,8 +31,12 @@ pub(super) struct Shape {
     pub(super) form: Form,
     /// Area, m^2; zero for instances.
     pub(super) area: f64,
+    /// Density of points uniform over the area; zero without area.
+    pub(super) area_pdf: PerArea,
     /// Running sums of the triangle areas of emitting meshes, for sampling.
     pub(super) cumulative: Vec<f64>,
+    /// Their triangles.
+    pub(super) patches: Vec<Patch>,
 }
 
 /// Where a ray hits a surface.
@@ -148,7 +152,7 @@ impl Geometry {
     pub fn memory_bytes(&self) -> usize {
         let shape = |s: &Shape| {
             let mesh = if let Form::Mesh(mesh) = &s.form { mesh.memory_bytes() } else { 0 };
-            mesh + size_of::<Shape>() + size_of_val(&*s.cumulative)
+            mesh + size_of::<Shape>() + size_of_val(&*s.cumulative) + size_of_val(&*s.patches)
         };
         self.shapes.iter().map(shape).sum::<usize>() + self.trees.iter().map(Tree::memory_bytes).sum::<usize>()
     }
@@ -156,7 +160,9 @@ impl Geometry {
     #[inline(always)]
     fn search<W: Want>(&self, ray: &Ray, t_max: f32, want: W) -> Seen {
         let (geometry, tree) = (self, &self.trees[0]);
-        Level::dispatch(Search { geometry, tree, ray: *ray, t_max, seen: Seen::default(), want, instance: None }).1
+        let mut search = Search { geometry, tree, ray, t_max, seen: Seen::default(), want, instance: None };
+        Level::dispatch(&mut search);
+        search.seen
     }
 
     /// The nearest surface at a distance in (0, t_max).
@@ -185,7 +191,8 @@ impl Geometry {
         match (self.form(hit.shape), hit.instance) {
             (Form::Mesh(mesh), None) => {
                 let reach = rounding(ray.origin.as_dvec3() + hit.t as f64 * ray.direction.as_dvec3());
-                place(hit, mesh.meet(hit.triangle, hit.barycentrics, reach), reach)
+                let (point, frame) = mesh.meet(hit.triangle, hit.barycentrics, reach);
+                place(hit, point, frame, reach)
             }
             _ => self.other_surface(ray, hit),
         }
@@ -206,7 +213,7 @@ impl Geometry {
                 let local = rounding(on_ray);
                 let reach = instance
                     .map_or(local, |i| local + rounding(i.to_world.transform_point3(on_ray)) * frobenius_inverse(i));
-                mesh.meet(hit.triangle, hit.barycentrics, reach)
+                mesh.meet(hit.triangle, hit.barycentrics, reach).0
             }
             Form::Sphere(sphere) => sphere.point(on_ray - sphere.center).into(),
             Form::Disk(disk) => disk.point(disk.local(on_ray)).into(),
@@ -221,7 +228,7 @@ impl Geometry {
             point = instance.place(point);
             epsilon = epsilon * frobenius(instance) + rounding(point.position);
         }
-        place(hit, point, epsilon)
+        place(hit, point, None, epsilon)
     }
 }
 
@@ -240,16 +247,22 @@ impl Instance {
     }
 }
 
-/// Rounds a point of the world and gives it its shading frame.
-#[inline]
-fn place(hit: &Hit, p: LocalPoint, epsilon: f64) -> SurfacePoint {
+/// Rounds a point of the world and gives it its shading frame, if it has none yet.
+#[inline(always)]
+fn place(hit: &Hit, p: LocalPoint, frame: Option<&Frame>, epsilon: f64) -> SurfacePoint {
     let normal = p.normal.as_vec3();
-    let away = p.shading_normal.dot(normal) < 0.0;
-    let shading_normal = if away { -p.shading_normal } else { p.shading_normal };
+    let shading = match frame {
+        Some(frame) => *frame,
+        None => {
+            let away = p.shading_normal.dot(normal) < 0.0;
+            let shading_normal = if away { -p.shading_normal } else { p.shading_normal };
+            Frame::from_normal_and_tangent(shading_normal, p.dp_du)
+        }
+    };
     SurfacePoint {
         position: p.position.as_vec3(),
         normal,
-        shading: Frame::from_normal_and_tangent(shading_normal, p.dp_du),
+        shading,
         uv: p.uv,
         dp_du: p.dp_du,
         dp_dv: p.dp_dv,
@@ -303,10 +316,11 @@ fn frobenius_inverse(instance: &Instance) -> f64 {
 impl Shape {
     fn new(desc: &ShapeDesc, groups: Option<usize>) -> Result<Self, GeometryError> {
         let form = compile(desc, groups)?;
-        let mut cumulative = Vec::new();
+        let (mut cumulative, mut patches) = (Vec::new(), Vec::new());
         let area = match &form {
             Form::Mesh(mesh) if desc.emission.is_some() => {
                 cumulative = cumulative_areas(mesh);
+                patches = (0..mesh.triangles.len()).map(|i| Patch::new(mesh, i)).collect();
                 cumulative.last().copied().unwrap_or(0.0)
             }
             Form::Mesh(mesh) => (0..mesh.triangles.len()).map(|i| mesh.triangle_area(i)).sum(),
@@ -315,7 +329,8 @@ impl Shape {
             Form::Cylinder(cylinder) => cylinder.area(),
             Form::Instance(_) => 0.0,
         };
-        Ok(Self { form, area, cumulative })
+        let area_pdf = PerArea(if area > 0.0 { (1.0 / area) as f32 } else { 0.0 });
+        Ok(Self { form, area, area_pdf, cumulative, patches })
     }
 }
 
@@ -327,6 +342,7 @@ impl Mesh {
             + size_of_val(&*self.normals)
             + size_of_val(&*self.uvs)
             + size_of_val(&*self.triangles)
+            + size_of_val(&*self.facets)
             + attributes
     }
 }

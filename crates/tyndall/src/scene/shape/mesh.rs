@@ -18,6 +18,26 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
     /// Named data.
     pub attributes: Vec<Attribute>,
+    /// What is the same all over each triangle, noted for meshes without normals that are small.
+    pub(crate) facets: Vec<(Facet, Frame)>,
+}
+
+/// Meshes of so many triangles have their facets noted.
+const NOTED: usize = 256;
+
+/// What is the same all over a triangle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Facet {
+    corner: DVec3,
+    /// From the first corner to the others, metres.
+    edges: [DVec3; 2],
+    /// Squared lengths of the edges opposite to the corners, m^2.
+    edges_squared: DVec3,
+    /// Squared length of the cross product of the edges, m^4.
+    cross_squared: f64,
+    normal: DVec3,
+    dp_du: Vec3,
+    dp_dv: Vec3,
 }
 
 /// Named data of a mesh.
@@ -33,9 +53,9 @@ pub struct Attribute {
 
 /// The weights of a point that lies at least `2 margin` from the edges, or well inside a small triangle.
 #[cold]
-fn kept_inside(weights: DVec3, edges_squared: DVec3, cross: DVec3, margin: f64) -> DVec3 {
-    let edges = edges_squared.map(f64::sqrt);
-    let least = (2.0 * margin / cross.length() * edges).min(DVec3::splat(0.25));
+fn kept_inside(weights: DVec3, facet: &Facet, margin: f64) -> DVec3 {
+    let edges = facet.edges_squared.map(f64::sqrt);
+    let least = (2.0 * margin / facet.cross_squared.sqrt() * edges).min(DVec3::splat(0.25));
     let weights = weights.max(least);
     weights / weights.element_sum()
 }
@@ -53,56 +73,82 @@ impl Mesh {
         0.5 * (b - a).cross(c - a).length()
     }
 
+    /// Notes the facets where that is worth their memory.
+    pub(super) fn note_facets(&mut self) {
+        if self.normals.is_empty() && self.triangles.len() <= NOTED {
+            let note = |triangle| {
+                let facet = self.facet(triangle);
+                (facet, Frame::from_normal_and_tangent(facet.normal.as_vec3(), facet.dp_du))
+            };
+            self.facets = (0..self.triangles.len()).map(note).collect();
+        }
+    }
+
+    #[inline(always)]
+    fn facet(&self, triangle: usize) -> Facet {
+        let indices = self.triangles[triangle].map(|i| i as usize);
+        let [a, b, c] = indices.map(|i| self.positions[i].as_dvec3());
+        let (ab, ac) = (b - a, c - a);
+        let edges_squared = DVec3::new((c - b).length_squared(), (a - c).length_squared(), ab.length_squared());
+        let cross = ab.cross(ac);
+        let normal = cross.normalize_or_zero();
+        let (mut dp_du, mut dp_dv) = (ab.as_vec3(), ac.as_vec3());
+        if !self.uvs.is_empty() {
+            let [ta, tb, tc] = indices.map(|i| self.uvs[i]);
+            let (tab, tac) = (tb - ta, tc - ta);
+            let inverse = tab.perp_dot(tac).recip();
+            (dp_du, dp_dv) = if inverse.is_finite() {
+                ((tac.y * dp_du - tab.y * dp_dv) * inverse, (tab.x * dp_dv - tac.x * dp_du) * inverse)
+            } else {
+                let frame = Frame::from_normal(normal.as_vec3());
+                (frame.s, frame.t)
+            };
+        }
+        let cross_squared = cross.length_squared();
+        Facet { corner: a, edges: [ab, ac], edges_squared, cross_squared, normal, dp_du, dp_dv }
+    }
+
     /// The point of given barycentric coordinates, moved inwards so that, where the triangle is large enough, it keeps
     /// `2 margin` from the edges: a ray that leaves from within `margin` of the surface then cannot pass by a neighbour,
-    /// unless the surface folds sharply.
-    #[inline]
-    pub(super) fn meet(&self, triangle: u32, barycentrics: Vec2, margin: f64) -> LocalPoint {
-        let [a, b, c] = self.corners(triangle as usize).map(Vec3::as_dvec3);
+    /// unless the surface folds sharply. With its shading frame where that is noted.
+    #[inline(always)]
+    pub(super) fn meet(&self, triangle: u32, barycentrics: Vec2, margin: f64) -> (LocalPoint, Option<&Frame>) {
+        let computed;
+        let (facet, frame) = match self.facets.get(triangle as usize) {
+            Some((facet, frame)) => (facet, Some(frame)),
+            None => {
+                computed = self.facet(triangle as usize);
+                (&computed, None)
+            }
+        };
         let DVec2 { x: wb, y: wc } = barycentrics.as_dvec2();
         let weights = DVec3::new(1.0 - wb - wc, wb, wc);
-        let edges_squared = DVec3::new((c - b).length_squared(), (a - c).length_squared(), (b - a).length_squared());
-        let cross = (b - a).cross(c - a);
         // The squares of: distance from an edge = weight * double area / edge >= 2 margin.
-        let far = weights * weights * cross.length_squared();
-        let near = edges_squared * (4.0 * margin * margin);
+        let far = weights * weights * facet.cross_squared;
+        let near = facet.edges_squared * (4.0 * margin * margin);
         let inside = weights.cmpge(DVec3::ZERO).all() && far.cmpge(near).all();
-        let weights = if inside { weights } else { kept_inside(weights, edges_squared, cross, margin) };
-        self.point(triangle, DVec2::new(weights.y, weights.z))
+        let weights = if inside { weights } else { kept_inside(weights, facet, margin) };
+        (self.point(triangle, facet, DVec2::new(weights.y, weights.z)), frame)
     }
 
     /// The point of given barycentric coordinates.
-    #[inline]
-    pub(super) fn point(&self, triangle: u32, barycentrics: DVec2) -> LocalPoint {
-        let indices = self.triangles[triangle as usize].map(|i| i as usize);
-        let [a, b, c] = indices.map(|i| self.positions[i].as_dvec3());
-        let DVec2 { x: wb, y: wc } = barycentrics;
-        let (ab, ac) = (b - a, c - a);
-        let position = a + wb * ab + wc * ac;
-        let normal = ab.cross(ac).normalize_or_zero();
+    #[inline(always)]
+    fn point(&self, triangle: u32, facet: &Facet, barycentrics: DVec2) -> LocalPoint {
+        let &Facet { corner, edges: [ab, ac], normal, dp_du, dp_dv, .. } = facet;
+        let position = corner + barycentrics.x * ab + barycentrics.y * ac;
         let barycentrics = barycentrics.as_vec2();
-        let wa = 1.0 - barycentrics.x - barycentrics.y;
-        let weights = [wa, barycentrics.x, barycentrics.y];
+        let weights = [1.0 - barycentrics.x - barycentrics.y, barycentrics.x, barycentrics.y];
+        let indices = self.triangles[triangle as usize].map(|i| i as usize);
         let mut shading_normal = normal.as_vec3();
         if !self.normals.is_empty() {
             let [na, nb, nc] = indices.map(|i| self.normals[i]);
             let sum = weights[0] * na + weights[1] * nb + weights[2] * nc;
             shading_normal = sum.try_normalize().unwrap_or(shading_normal);
         }
-        let (ab, ac) = (ab.as_vec3(), ac.as_vec3());
-        let (mut uv, mut dp_du, mut dp_dv) = (barycentrics, ab, ac);
+        let mut uv = barycentrics;
         if !self.uvs.is_empty() {
             let [ta, tb, tc] = indices.map(|i| self.uvs[i]);
             uv = weights[0] * ta + weights[1] * tb + weights[2] * tc;
-            let (tab, tac) = (tb - ta, tc - ta);
-            let inverse = tab.perp_dot(tac).recip();
-            if inverse.is_finite() {
-                dp_du = (tac.y * ab - tab.y * ac) * inverse;
-                dp_dv = (tab.x * ac - tac.x * ab) * inverse;
-            } else {
-                let frame = Frame::from_normal(normal.as_vec3());
-                (dp_du, dp_dv) = (frame.s, frame.t);
-            }
         }
         LocalPoint { position, normal, shading_normal, uv, dp_du, dp_dv, barycentrics }
     }

@@ -1,5 +1,6 @@
 //! Spheres, disks and cylinders. They are met one by one, so they can afford double precision.
 
+use crate::math::angle::angle_of;
 use crate::math::{Aabb, Ray, Vec2};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
@@ -62,7 +63,7 @@ pub struct Point {
 
 /// The angle of (x, y) over a full turn, in [0, 1). Texture coordinates need no more than single precision.
 fn turn(x: f64, y: f64) -> f64 {
-    let u = f64::from((y as f32).atan2(x as f32)) / TAU;
+    let u = f64::from(angle_of(x as f32, y as f32)) / TAU;
     if u < 0.0 { u + 1.0 } else { u }
 }
 
@@ -124,7 +125,7 @@ impl Sphere {
         Point {
             position: self.center + self.radius * n,
             normal: self.side * n,
-            uv: DVec2::new(turn(x, y), f64::from((rho as f32).atan2(z as f32)) / PI),
+            uv: DVec2::new(turn(x, y), f64::from(angle_of(z as f32, rho as f32)) / PI),
             dp_du: TAU * self.radius * (x * ey - y * ex),
             dp_dv: PI * self.radius * (z * (cos * ex + sin * ey) - rho * ez),
         }

@@ -23,22 +23,45 @@ pub struct AreaPoint {
     pub barycentrics: Vec2,
 }
 
-impl AreaPoint {
-    #[inline]
-    fn of_mesh(mesh: &Mesh, triangle: u32, barycentrics: Vec2) -> Self {
-        let [a, b, c] = mesh.corners(triangle as usize);
+/// A triangle of an emitting mesh.
+#[derive(Debug)]
+pub(super) struct Patch {
+    corner: Vec3,
+    /// From the first corner to the others, metres.
+    edges: [Vec3; 2],
+    /// Unit normal.
+    normal: Vec3,
+    /// Texture coordinates of the first corner, and from it to the others.
+    uv: Vec2,
+    uv_edges: [Vec2; 2],
+}
+
+impl Patch {
+    pub(super) fn new(mesh: &Mesh, triangle: usize) -> Self {
+        let [a, b, c] = mesh.corners(triangle);
         let (ab, ac) = (b - a, c - a);
-        let mut uv = barycentrics;
-        if !mesh.uvs.is_empty() {
-            let [ta, tb, tc] = mesh.triangles[triangle as usize].map(|i| mesh.uvs[i as usize]);
-            uv = ta + barycentrics.x * (tb - ta) + barycentrics.y * (tc - ta);
-        }
         let normal = ab.cross(ac).try_normalize();
+        let [ta, tb, tc] = match mesh.uvs.is_empty() {
+            true => [Vec2::ZERO, Vec2::X, Vec2::Y],
+            false => mesh.triangles[triangle].map(|i| mesh.uvs[i as usize]),
+        };
         Self {
-            position: a + barycentrics.x * ab + barycentrics.y * ac,
+            corner: a,
+            edges: [ab, ac],
             // Squares of tiny edges underflow in single precision.
             normal: normal.unwrap_or_else(|| ab.as_dvec3().cross(ac.as_dvec3()).normalize_or_zero().as_vec3()),
-            uv,
+            uv: ta,
+            uv_edges: [tb - ta, tc - ta],
+        }
+    }
+
+    #[inline(always)]
+    fn point(&self, triangle: u32, barycentrics: Vec2) -> AreaPoint {
+        let Self { corner, edges: [ab, ac], normal, uv, uv_edges: [tab, tac] } = *self;
+        AreaPoint {
+            position: corner + barycentrics.x * ab + barycentrics.y * ac,
+            normal,
+            uv: uv + barycentrics.x * tab + barycentrics.y * tac,
             triangle,
             barycentrics,
         }
@@ -89,8 +112,7 @@ impl Geometry {
 
     /// Density of [`Geometry::sample_area`]; zero for shapes without area.
     pub fn area_pdf(&self, shape: u32) -> PerArea {
-        let area = self.shapes[shape as usize].area;
-        PerArea(if area > 0.0 { (1.0 / area) as f32 } else { 0.0 })
+        self.shapes[shape as usize].area_pdf
     }
 
     /// A point uniform over the area of a shape of the scene, with its density. `None` for instances, for meshes whose
@@ -98,9 +120,10 @@ impl Geometry {
     #[inline]
     pub fn sample_area(&self, shape: u32, u: Vec2) -> Option<(AreaPoint, PerArea)> {
         let point = match self.form(shape) {
-            Form::Mesh(mesh) => {
+            Form::Mesh(_) => {
                 let (triangle, u) = self.choose_triangle(shape, u)?;
-                AreaPoint::of_mesh(mesh, triangle, warp::square_to_triangle(u))
+                let patch = &self.shapes[shape as usize].patches[triangle as usize];
+                patch.point(triangle, warp::square_to_triangle(u))
             }
             Form::Sphere(sphere) => sphere.point(sphere.axes_times(warp::square_to_sphere(u))).into(),
             Form::Disk(disk) => disk.point(warp::square_to_disk(u).as_dvec2()).into(),

@@ -114,13 +114,19 @@ impl Tree {
     }
 
     /// The shape and the triangle of a surface number.
+    #[inline(always)]
     fn locate(&self, surface: u32) -> (u32, u32) {
         let surface = surface & !TRANSPARENT;
         let shape = match self.table.get(surface as usize) {
             Some(shape) => *shape,
-            None => self.firsts.partition_point(|first| *first <= surface) as u32 - 1,
+            None => self.search_shape(surface),
         };
         (self.first_shape + shape, surface - self.firsts[shape as usize])
+    }
+
+    #[inline(never)]
+    fn search_shape(&self, surface: u32) -> u32 {
+        self.firsts.partition_point(|first| *first <= surface) as u32 - 1
     }
 
     #[inline(always)]
@@ -219,7 +225,8 @@ impl Want for Through {
 pub(super) struct Search<'a, W> {
     pub(super) geometry: &'a Geometry,
     pub(super) tree: &'a Tree,
-    pub(super) ray: Ray,
+    pub(super) ray: &'a Ray,
+    /// Nothing farther is wanted; shortened by what is found.
     pub(super) t_max: f32,
     pub(super) seen: Seen,
     pub(super) want: W,
@@ -227,45 +234,43 @@ pub(super) struct Search<'a, W> {
     pub(super) instance: Option<u32>,
 }
 
-impl<'a, W: Want> Kernel for Search<'a, W> {
-    /// The new `t_max`, and what was found.
-    type Output = (f32, Seen);
+impl<W: Want> Kernel for &mut Search<'_, W> {
+    type Output = ();
 
     #[inline(always)]
-    fn run<L: Lanes>(mut self) -> (f32, Seen) {
+    fn run<L: Lanes>(self) {
         let (tree, ray, t_max) = (self.tree, self.ray, self.t_max);
-        let mut visitor = SearchVisit { triangle_ray: TriangleRay::new(&ray), t_max, search: &mut self };
+        let mut visitor = SearchVisit { triangle_ray: TriangleRay::new(ray), search: self };
         match W::NEAR_FIRST {
-            true => tree.bvh.nearest::<L>(&ray, t_max, &mut visitor),
-            false => tree.bvh.along::<L>(&ray, t_max, &mut visitor),
+            true => tree.bvh.nearest::<L>(ray, t_max, &mut visitor),
+            false => tree.bvh.along::<L>(ray, t_max, &mut visitor),
         }
-        (visitor.t_max, self.seen)
     }
 }
 
 struct SearchVisit<'s, 'a, W> {
     search: &'s mut Search<'a, W>,
-    triangle_ray: TriangleRay,
-    t_max: f32,
+    triangle_ray: TriangleRay<'a>,
 }
 
 impl<W: Want> Visit for SearchVisit<'_, '_, W> {
     #[inline(always)]
     fn leaf<L: Lanes>(&mut self, leaf: u32, t_max: f32) -> f32 {
-        let Search { tree, seen, instance, .. } = &mut *self.search;
+        let Search { tree, seen, instance, t_max: shortened, .. } = &mut *self.search;
         let packet = &tree.packets[leaf as usize];
         let mut t_max = t_max;
         if packet.ids[0] != u32::MAX {
             t_max = packet.meet::<L>(&self.triangle_ray, t_max, |hit, t_max| {
                 let id = packet.ids[hit.lane & 7];
                 let meeting = Meeting { t: hit.t, surface: id, barycentrics: hit.barycentrics, instance: *instance };
-                W::found(meeting, id & TRANSPARENT != 0, t_max, seen)
+                *shortened = W::found(meeting, id & TRANSPARENT != 0, t_max, seen);
+                *shortened
             });
         }
         for &other in tree.leaf_others(leaf) {
             t_max = self.search.other(other, t_max);
+            self.search.t_max = t_max;
         }
-        self.t_max = t_max;
         t_max
     }
 }
@@ -276,22 +281,22 @@ impl<W: Want> Search<'_, W> {
     fn other(&mut self, id: u32, t_max: f32) -> f32 {
         let (shape, _) = self.tree.locate(id);
         let t = match &self.geometry.shapes[shape as usize].form {
-            Form::Sphere(sphere) => sphere.meet(&self.ray, t_max),
-            Form::Disk(disk) => disk.meet(&self.ray, t_max),
-            Form::Cylinder(cylinder) => cylinder.meet(&self.ray, t_max),
+            Form::Sphere(sphere) => sphere.meet(self.ray, t_max),
+            Form::Disk(disk) => disk.meet(self.ray, t_max),
+            Form::Cylinder(cylinder) => cylinder.meet(self.ray, t_max),
             Form::Instance(instance) => {
-                let search = Search {
+                let mut search = Search {
                     geometry: self.geometry,
                     tree: &self.geometry.trees[1 + instance.group as usize],
-                    ray: instance.local_ray(&self.ray),
+                    ray: &instance.local_ray(self.ray),
                     t_max,
                     seen: self.seen,
                     want: self.want,
                     instance: Some(shape),
                 };
-                let (t_max, seen) = Level::dispatch(search);
-                self.seen = seen;
-                return t_max;
+                Level::dispatch(&mut search);
+                self.seen = search.seen;
+                return search.t_max;
             }
             Form::Mesh(_) => None,
         };
@@ -307,6 +312,7 @@ impl<W: Want> Search<'_, W> {
 
 impl Meeting {
     /// Looks the shape and the triangle up.
+    #[inline(always)]
     pub(super) fn hit(&self, geometry: &Geometry) -> super::Hit {
         let tree = match self.instance.map(|i| &geometry.shapes[i as usize].form) {
             Some(Form::Instance(instance)) => &geometry.trees[1 + instance.group as usize],
