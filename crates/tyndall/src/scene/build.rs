@@ -160,6 +160,29 @@ impl Scene {
         Side::Unknown
     }
 
+    /// Files rarely say in which medium an emitter stands. One point decides for a whole shape.
+    fn find_emission_media(&mut self, desc: &SceneDesc) {
+        if self.media.is_empty() {
+            return;
+        }
+        // The description's emitters come first among all.
+        let named = desc.emitters.iter().map(|emitter| emitter.medium).chain(std::iter::repeat(None));
+        let medium = |(emitter, named): (&Emitter, Option<MediumId>)| match emitter {
+            Emitter::Area(area) if self.is_boundary(area.shape) => self.attached(area.shape).exterior,
+            Emitter::Area(area) => {
+                // Off the middle, where edges tend to be.
+                let (point, _) = self.geometry.sample_area(area.shape, Vec2::new(0.37, 0.61))?;
+                self.medium_at(self.geometry.leave_emitter(area.shape, &point))
+            }
+            // Emitters at infinity have no position: their light comes through vacuum.
+            other => {
+                let position = other.position()?;
+                named.or_else(|| self.medium_at(position))
+            }
+        };
+        self.emission_media = self.lights.emitters().iter().zip(named).map(medium).collect();
+    }
+
     /// Files rarely say that the camera stands in a medium.
     fn find_camera_medium(&mut self, desc: &SceneDesc) {
         if self.camera_medium.is_some() || self.media.is_empty() {

@@ -142,7 +142,7 @@ impl Geometry {
     pub fn leave_emitter(&self, shape: u32, point: &AreaPoint) -> Vec3 {
         let mut position = point.position.as_dvec3();
         if let Form::Mesh(mesh) = self.form(shape) {
-            position = mesh.meet(point.triangle, point.barycentrics, rounding(position)).position;
+            position = mesh.meet(point.triangle, point.barycentrics, rounding(position)).0.position;
         }
         position.as_vec3() + rounding(position) as f32 * point.normal
     }
