@@ -10,8 +10,10 @@ use crate::math::Aabb;
 use crate::math::lanes::WIDTH;
 use rayon::prelude::*;
 
-/// Bits of the curve for each axis.
-const BITS: u32 = 16;
+/// Bits of the curve for each axis: finer cells than those of as many items as there may be, spread evenly.
+const BITS: u32 = 12;
+/// Bits below the curve's for the number of an item.
+const ITEM_BITS: u32 = 64 - 3 * BITS;
 
 /// Items for a thread to take at a time.
 const CHUNK: usize = 4096;
@@ -19,23 +21,24 @@ const CHUNK: usize = 4096;
 /// Memory for building, to be used again.
 #[derive(Debug, Default)]
 pub struct CurveBuilder {
-    keys: Vec<(u64, u32)>,
+    /// Places on the curve, with the items' numbers in the low bits.
+    keys: Vec<u64>,
     boxes: Vec<Aabb>,
 }
 
 impl CurveBuilder {
     /// Memory held, bytes.
     pub fn memory_bytes(&self) -> usize {
-        self.keys.capacity() * size_of::<(u64, u32)>() + self.boxes.capacity() * size_of::<Aabb>()
+        self.keys.capacity() * size_of::<u64>() + self.boxes.capacity() * size_of::<Aabb>()
     }
 
     /// Makes `bvh` the hierarchy of the boxes. Empty boxes are left out. Memory is re-used. The result does not depend on
     /// the number of threads.
     ///
     /// # Panics
-    /// With 2^31 boxes or more.
+    /// With more than 2^28 boxes.
     pub fn rebuild(&mut self, bvh: &mut Bvh, bounds: &[Aabb]) {
-        assert!(bounds.len() < LEAF as usize, "too many items for one hierarchy");
+        assert!(bounds.len() <= 1 << ITEM_BITS, "too many items for one hierarchy");
         let union = |a: Aabb, b: Aabb| a.union(b);
         let whole = |chunk: &[Aabb]| chunk.iter().filter(|b| !b.is_empty()).fold(Aabb::EMPTY, |a, b| a.union(*b));
         let all = bounds.par_chunks(CHUNK).map(whole).reduce(|| Aabb::EMPTY, union);
@@ -54,12 +57,12 @@ impl CurveBuilder {
         self.keys.clear();
         let key = |(i, b): (usize, &Aabb)| {
             let cell = (b.centre() - all.min) * scale;
-            (hilbert([cell.x as u32, cell.y as u32, cell.z as u32]), i as u32)
+            hilbert([cell.x as u32, cell.y as u32, cell.z as u32]) << ITEM_BITS | i as u64
         };
         self.keys.par_extend(bounds.par_iter().enumerate().filter(|(_, b)| !b.is_empty()).map(key));
-        // Keys with their items are all different: any sort gives the same order.
+        // All keys are different: any sort gives the same order.
         self.keys.par_sort_unstable();
-        bvh.order.par_extend(self.keys.par_iter().map(|(_, item)| *item));
+        bvh.order.par_extend(self.keys.par_iter().map(|key| (key & ((1 << ITEM_BITS) - 1)) as u32));
 
         let count = bvh.order.len();
         let leaves = count.div_ceil(WIDTH);
@@ -102,36 +105,24 @@ impl CurveBuilder {
     }
 }
 
-/// The place of a cell along the Hilbert curve (Skilling 2004).
+/// The place of a cell along the Hilbert curve (Skilling 2004), without branches: coordinates have no pattern to predict.
 #[inline]
 fn hilbert(cell: [u32; 3]) -> u64 {
     let mut x = cell.map(|c| c.min((1 << BITS) - 1));
-    // From the finest orientation to the coarsest, undo what the curve does in its sub-cubes: reflect or exchange axes.
-    let mut bit = 1 << (BITS - 1);
-    while bit > 1 {
-        let below = bit - 1;
+    // From the coarsest sub-cubes to the finest, undo what the curve does in them: reflect or exchange axes.
+    for level in (1..BITS).rev() {
+        let below = (1 << level) - 1;
         for axis in 0..3 {
-            if x[axis] & bit != 0 {
-                x[0] ^= below;
-            } else {
-                let swap = (x[0] ^ x[axis]) & below;
-                x[0] ^= swap;
-                x[axis] ^= swap;
-            }
+            let reflect = (x[axis] >> level & 1).wrapping_neg();
+            let swap = (x[0] ^ x[axis]) & below & !reflect;
+            x[axis] ^= swap;
+            x[0] ^= swap | (below & reflect);
         }
-        bit >>= 1;
     }
     // Gray code.
     x[1] ^= x[0];
     x[2] ^= x[1];
-    let mut flip = 0;
-    let mut bit = 1 << (BITS - 1);
-    while bit > 1 {
-        if x[2] & bit != 0 {
-            flip ^= bit - 1;
-        }
-        bit >>= 1;
-    }
+    let flip = (1..BITS).fold(0, |flip, level| flip ^ ((1 << level) - 1) & (x[2] >> level & 1).wrapping_neg());
     let [a, b, c] = x.map(|axis| spread(axis ^ flip));
     a << 2 | b << 1 | c
 }

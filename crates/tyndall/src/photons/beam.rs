@@ -7,6 +7,7 @@ use crate::math::lanes::{Row, WIDTH};
 use crate::math::{Aabb, Ray, Vec3};
 use crate::scene::medium::{Extinction, Medium};
 use crate::walk::flight::Uniform;
+use rayon::prelude::*;
 
 /// How the flux of a beam changes along it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -175,7 +176,7 @@ impl Beams {
     pub fn rebuild(&mut self, beams: &[Beam], radius: BeamRadius) {
         self.radius = radius;
         self.payloads.clear();
-        self.payloads.extend(beams.iter().map(|&Beam { flux, attenuation, tag, .. }| Payload {
+        self.payloads.par_extend(beams.par_iter().map(|&Beam { flux, attenuation, tag, .. }| Payload {
             flux,
             attenuation,
             tag,
@@ -188,7 +189,7 @@ impl Beams {
         self.builder.rebuild(&mut self.bvh, &self.boxes);
         let order = self.bvh.order();
         self.blocks.clear();
-        self.blocks.extend((0..self.bvh.leaf_count()).map(|leaf| {
+        self.blocks.par_extend((0..self.bvh.leaf_count()).into_par_iter().map(|leaf| {
             let mut block = BeamBlock::EMPTY;
             for (lane, at) in self.bvh.leaf(leaf as u32).enumerate() {
                 let piece = &self.pieces[order[at] as usize];

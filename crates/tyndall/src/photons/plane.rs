@@ -6,6 +6,7 @@ use crate::accel::{Bvh, CurveBuilder};
 use crate::math::lanes::{Row, WIDTH};
 use crate::math::{Aabb, Ray, Vec3};
 use crate::scene::medium::Medium;
+use rayon::prelude::*;
 
 /// The parallelogram `origin + s w0 + q w1`. Light runs along `w0`, is scattered after `s` metres and runs along `w1`.
 #[derive(Clone, Copy, Debug)]
@@ -82,19 +83,19 @@ impl Planes {
     /// Arranges the planes. Memory is re-used. The result does not depend on the number of threads.
     pub fn rebuild(&mut self, planes: &[Plane]) {
         self.boxes.clear();
-        self.boxes.extend(planes.iter().map(|p| {
+        self.boxes.par_extend(planes.par_iter().map(|p| {
             let [a, b] = [0, 1].map(|i| p.directions[i] * p.lengths[i]);
             Aabb::from_points([p.origin, p.origin + a, p.origin + b, p.origin + a + b])
         }));
         self.builder.rebuild(&mut self.bvh, &self.boxes);
         let order = self.bvh.order();
         self.payloads.clear();
-        self.payloads.extend(order.iter().map(|&i| {
+        self.payloads.par_extend(order.par_iter().map(|&i| {
             let Plane { flux, attenuation, end_rate, tag, .. } = planes[i as usize];
             Payload { flux, attenuation, end_rate, tag }
         }));
         self.blocks.clear();
-        self.blocks.extend((0..self.bvh.leaf_count()).map(|leaf| {
+        self.blocks.par_extend((0..self.bvh.leaf_count()).into_par_iter().map(|leaf| {
             let mut block = PlaneBlock::EMPTY;
             for (lane, at) in self.bvh.leaf(leaf as u32).enumerate() {
                 let plane = &planes[order[at] as usize];

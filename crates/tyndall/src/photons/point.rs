@@ -6,6 +6,7 @@ use crate::math::lanes::{Row, WIDTH};
 use crate::math::octahedral::Octahedral;
 use crate::math::{Aabb, Vec3};
 use crate::scene::medium::Medium;
+use rayon::prelude::*;
 
 /// A vertex of a light path. Its flux is what *leaves* the collision in a medium (watts, the albedo applied), and what
 /// *arrives* on a surface.
@@ -68,19 +69,19 @@ impl Points {
     /// Arranges the photons. Memory is re-used. The result does not depend on the number of threads.
     pub fn rebuild(&mut self, photons: &[Photon]) {
         self.boxes.clear();
-        self.boxes.extend(photons.iter().map(|p| {
+        self.boxes.par_extend(photons.par_iter().map(|p| {
             let r = Vec3::splat(p.radius);
             Aabb { min: p.position - r, max: p.position + r }
         }));
         self.builder.rebuild(&mut self.bvh, &self.boxes);
         let order = self.bvh.order();
         self.payloads.clear();
-        self.payloads.extend(order.iter().map(|&i| {
+        self.payloads.par_extend(order.par_iter().map(|&i| {
             let Photon { flux, direction, tag, .. } = photons[i as usize];
             Payload { flux, direction, tag }
         }));
         self.blocks.clear();
-        self.blocks.extend((0..self.bvh.leaf_count()).map(|leaf| {
+        self.blocks.par_extend((0..self.bvh.leaf_count()).into_par_iter().map(|leaf| {
             let mut block = PointBlock::EMPTY;
             for (lane, at) in self.bvh.leaf(leaf as u32).enumerate() {
                 let photon = &photons[order[at] as usize];
