@@ -34,6 +34,8 @@ pub(super) struct Gatherer<'a> {
     specular: bool,
     /// The last vertex; `None` at the camera and after a smooth mirror or glass.
     last: Option<Last>,
+    /// Whether the walk only goes on to see whether an emitter comes next.
+    ends: bool,
 }
 
 /// A vertex from which the walk went on though it is no smooth mirror or glass.
@@ -60,8 +62,16 @@ impl<'a> Gatherer<'a> {
         let start =
             Start { ray: camera.ray, length: camera.t_max, medium: scene.camera_medium, throughput: Spectrum::ONE };
         let black = Spectrum::ZERO;
-        let mut gatherer =
-            Gatherer { mapping, scene, scratch, gathered: black, radiance: black, specular: true, last: None };
+        let mut gatherer = Gatherer {
+            mapping,
+            scene,
+            scratch,
+            gathered: black,
+            radiance: black,
+            specular: true,
+            last: None,
+            ends: false,
+        };
         walk::<FromCamera, _>(scene, start, &mapping.options.camera_rules, sampler, &mut gatherer);
         gatherer.radiance + gatherer.gathered / mapping.options.photons as f32
     }
@@ -108,7 +118,7 @@ impl<'a> Gatherer<'a> {
     }
 
     /// Light straight from an emitter to a surface.
-    fn add_direct(&mut self, vertex: &Vertex, followed: bool, sampler: &mut Sampler) {
+    fn add_direct(&mut self, vertex: &Vertex, sampler: &mut Sampler) {
         let (choice, u) = (sampler.f32(), sampler.vec2());
         let Some(light) = self.scene.lights.sample(vertex.position, choice, u) else { return };
         let Response { value, pdf } = respond(self.scene, vertex, light.direction);
@@ -117,7 +127,7 @@ impl<'a> Gatherer<'a> {
         }
         let (origin, medium) = departure(self.scene, vertex, light.direction);
         let Some((arriving, _)) = connect(self.scene, origin, &light, medium, true, sampler.rng()) else { return };
-        let walked = if light.delta || !followed { 0.0 } else { pdf.0 };
+        let walked = if light.delta { 0.0 } else { pdf.0 };
         self.radiance += vertex.throughput * value * arriving / (light.pdf.0 + walked);
     }
 
@@ -203,7 +213,8 @@ impl Sink for Gatherer<'_> {
     fn segment(&mut self, segment: &Segment, sampler: &mut Sampler) {
         let max_depth = self.mapping.options.camera_rules.max_depth;
         let origins = self.origins([(STRAIGHT | SPECULAR, Components::SINGLE), (SCATTERED, Components::MULTIPLE)]);
-        if self.mapping.options.estimator.is_none() || origins == 0 || segment.scatterings + 2 > max_depth {
+        if self.ends || self.mapping.options.estimator.is_none() || origins == 0 || segment.scatterings + 2 > max_depth
+        {
             return;
         }
         let medium = self.scene.medium(segment.medium);
@@ -247,12 +258,12 @@ impl Sink for Gatherer<'_> {
 
     fn vertex(&mut self, vertex: &Vertex, sampler: &mut Sampler) {
         let Scattering::Surface { point, .. } = &vertex.scattering else { return };
-        if !self.scene.is_smooth(point.shape) {
+        if self.ends || !self.scene.is_smooth(point.shape) {
             return;
         }
         let followed = self.follows(point.shape);
         if self.wants(Components::DIRECT) {
-            self.add_direct(vertex, followed, sampler);
+            self.add_direct(vertex, sampler);
         }
         // Where the walk goes on, it brings all light but that which only light's walk can find.
         let scattered = if followed { 0 } else { SCATTERED };
@@ -270,17 +281,19 @@ impl Sink for Gatherer<'_> {
     }
 
     fn scattered(&mut self, vertex: &Vertex, onward: &Onward) -> bool {
+        if self.ends {
+            return false;
+        }
         let Some(pdf) = onward.pdf else {
             self.last = None;
             return true;
         };
         let Scattering::Surface { point, .. } = &vertex.scattering else { return false };
-        if !self.follows(point.shape) {
-            return false;
-        }
-        self.last = Some(Last { position: vertex.position, pdf, wants_direct: self.wants(Components::DIRECT) });
+        let wants_direct = self.wants(Components::DIRECT);
+        self.ends = !self.follows(point.shape);
+        self.last = Some(Last { position: vertex.position, pdf, wants_direct });
         self.specular = false;
         // What lies beyond is indirect light.
-        self.mapping.options.components.has(Components::INDIRECT.union(Components::DIRECT))
+        wants_direct || (!self.ends && self.mapping.options.components.has(Components::INDIRECT))
     }
 }
