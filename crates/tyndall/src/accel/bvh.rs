@@ -4,6 +4,7 @@
 //! consecutive items in that order: a user keeps one structure-of-arrays packet a leaf, indexed by the leaf's number.
 
 use super::build;
+use super::prefetch::prefetch;
 use super::refine::FEW;
 use super::stack::Stack;
 use crate::math::lanes::{Lanes, Mask, Row, WIDTH};
@@ -43,6 +44,9 @@ const MAX_DEPTH: usize = if FREE_DEPTH + 28 > REFINE_DEPTH + FEW { FREE_DEPTH + 
 /// Each level leaves at most seven children waiting; the last one may put down eight.
 const STACK: usize = 7 * MAX_DEPTH + WIDTH;
 
+/// Leaves that wait for their memory.
+const ANNOUNCED: usize = 16;
+
 /// What happens at a leaf.
 ///
 /// Closures are visitors too. For the fastest code implement the trait with an `#[inline(always)]` method and do the
@@ -51,6 +55,13 @@ pub trait Visit {
     /// Visits the leaf of that number; returns the distance beyond which nothing is wanted any more: `t_max` itself, a
     /// smaller one, or [`Bvh::STOP`].
     fn leaf<L: Lanes>(&mut self, leaf: u32, t_max: f32) -> f32;
+
+    /// Whether what is met soon shall be asked for early: worth it for data larger than the caches.
+    const ANNOUNCES: bool = false;
+
+    /// The leaf will be visited soon: [`prefetch`] what the visit reads.
+    #[inline(always)]
+    fn announce(&self, _leaf: u32) {}
 }
 
 impl<F: FnMut(u32, f32) -> f32> Visit for F {
@@ -176,11 +187,7 @@ impl Bvh {
             return;
         }
         let slab = Slab::<L>::new(ray, self.largest);
-        self.any(
-            t_max.min(f32::MAX),
-            |node, t_max| slab.meet(node, t_max).1,
-            |leaf, t_max| visit.leaf::<L>(leaf, t_max),
-        );
+        self.any::<L, _>(t_max.min(f32::MAX), |node, t_max| slab.meet(node, t_max).1, visit);
     }
 
     /// Visits the leaves whose boxes overlap the closed box `region` (a point is a box without extent), in no
@@ -192,20 +199,23 @@ impl Bvh {
         }
         let low = splat::<L>(row(region.min).0);
         let high = splat::<L>(row(region.max).0);
-        self.any(f32::INFINITY, |node, _| node.overlap(&low, &high), |leaf, t_max| visit.leaf::<L>(leaf, t_max));
+        self.any::<L, _>(f32::INFINITY, |node, _| node.overlap(&low, &high), visit);
     }
 
-    /// Depth-first over the children that `meet` lets in, until `leaf` answers with a negative distance.
+    /// Depth-first over the children that `meet` lets in, until a leaf answers with a negative distance. Leaves that are
+    /// announced wait for a few others to be found, while their memory comes.
     #[inline(always)]
-    fn any(&self, mut t_max: f32, meet: impl Fn(&Node, f32) -> u32, mut leaf: impl FnMut(u32, f32) -> f32) {
+    fn any<L: Lanes, V: Visit>(&self, mut t_max: f32, meet: impl Fn(&Node, f32) -> u32, visit: &mut V) {
         let mut stack = Stack::<u32, STACK>::new();
         stack.set(0, 0);
         let mut waiting = 1;
+        let mut announced = [0; ANNOUNCED];
+        let (mut oldest, mut newest) = (0, 0);
         while waiting > 0 {
             waiting -= 1;
             let current = stack.get(waiting);
-            if current & LEAF != 0 {
-                t_max = leaf(current & !LEAF, t_max);
+            if !V::ANNOUNCES && current & LEAF != 0 {
+                t_max = visit.leaf::<L>(current & !LEAF, t_max);
                 if t_max < 0.0 {
                     return;
                 }
@@ -214,10 +224,31 @@ impl Bvh {
             let node = self.node(current);
             let mut hits = meet(node, t_max);
             while hits != 0 {
-                stack.set(waiting, node.children[hits.trailing_zeros() as usize & 7]);
-                waiting += 1;
+                let child = node.children[hits.trailing_zeros() as usize & 7];
                 hits &= hits - 1;
+                if V::ANNOUNCES && child & LEAF != 0 {
+                    if newest - oldest == ANNOUNCED {
+                        t_max = visit.leaf::<L>(announced[oldest % ANNOUNCED], t_max);
+                        if t_max < 0.0 {
+                            return;
+                        }
+                        oldest += 1;
+                    }
+                    visit.announce(child & !LEAF);
+                    announced[newest % ANNOUNCED] = child & !LEAF;
+                    newest += 1;
+                    continue;
+                }
+                if V::ANNOUNCES {
+                    prefetch(std::slice::from_ref(self.node(child)));
+                }
+                stack.set(waiting, child);
+                waiting += 1;
             }
+        }
+        while oldest != newest && t_max >= 0.0 {
+            t_max = visit.leaf::<L>(announced[oldest % ANNOUNCED], t_max);
+            oldest += 1;
         }
     }
 

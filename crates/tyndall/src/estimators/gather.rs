@@ -54,6 +54,13 @@ impl<M: Merge, Q: Query<Probe = M::Probe>> Kernel for Traversal<'_, '_, M, Q> {
 }
 
 impl<M: Merge, Q: Query<Probe = M::Probe>> Visit for Visitor<'_, M, Q> {
+    const ANNOUNCES: bool = true;
+
+    #[inline(always)]
+    fn announce(&self, leaf: u32) {
+        self.store.announce(leaf);
+    }
+
     #[inline(always)]
     fn leaf<L: Lanes>(&mut self, leaf: u32, t_max: f32) -> f32 {
         let mut lanes = self.merge.touches::<L>(self.query.probe(), self.store.block(leaf));

@@ -18,7 +18,7 @@ pub use point::{Photon, PointBlock, Points};
 pub use trace::{Extent, LightPaths, TraceError, Tracing, Wanted};
 
 use crate::Spectrum;
-use crate::accel::Bvh;
+use crate::accel::{Bvh, prefetch};
 use crate::math::Vec3;
 use crate::scene::medium::Medium;
 
@@ -43,6 +43,11 @@ pub trait Store: Sync {
     fn bvh(&self) -> &Bvh;
     /// The block of a leaf.
     fn block(&self, leaf: u32) -> &Self::Block;
+    /// Asks for the memory of a block that is needed soon.
+    #[inline(always)]
+    fn announce(&self, leaf: u32) {
+        prefetch(std::slice::from_ref(self.block(leaf)));
+    }
     /// What decides whether a datum counts.
     fn tag(&self, leaf: u32, lane: usize) -> Tag;
     /// Light of the datum at its own coordinates `s`, scattered at `x`; `medium` is the one around, `None` on surfaces.
