@@ -159,7 +159,7 @@ fn main() {
         let cube = |p: Vec3, r: f32| Aabb { min: p - r, max: p + r };
         let boxes: Vec<Aabb> = photons.iter().map(|p| cube(p.position, p.radius)).collect();
         let mut curve = Bvh::default();
-        CurveBuilder::default().rebuild(&mut curve, &boxes);
+        CurveBuilder::default().rebuild(&mut curve, boxes.len(), |i| boxes[i]);
         leaves("   leaves only, along the curve", &curve);
         let heuristic = timed("   build by surface-area heuristic", || Bvh::build(&boxes));
         leaves("   leaves only, surface-area heuristic", &heuristic);

@@ -32,16 +32,15 @@ impl CurveBuilder {
         self.keys.capacity() * size_of::<u64>() + self.boxes.capacity() * size_of::<Aabb>()
     }
 
-    /// Makes `bvh` the hierarchy of the boxes. Empty boxes are left out. Memory is re-used. The result does not depend on
-    /// the number of threads.
+    /// Makes `bvh` the hierarchy of `count` boxes, each asked for by its number, several times. Empty boxes are left out.
+    /// Memory is re-used. The result does not depend on the number of threads.
     ///
     /// # Panics
     /// With more than 2^28 boxes.
-    pub fn rebuild(&mut self, bvh: &mut Bvh, bounds: &[Aabb]) {
-        assert!(bounds.len() <= 1 << ITEM_BITS, "too many items for one hierarchy");
-        let union = |a: Aabb, b: Aabb| a.union(b);
-        let whole = |chunk: &[Aabb]| chunk.iter().filter(|b| !b.is_empty()).fold(Aabb::EMPTY, |a, b| a.union(*b));
-        let all = bounds.par_chunks(CHUNK).map(whole).reduce(|| Aabb::EMPTY, union);
+    pub fn rebuild(&mut self, bvh: &mut Bvh, count: usize, bounds: impl Fn(usize) -> Aabb + Sync) {
+        assert!(count <= 1 << ITEM_BITS, "too many items for one hierarchy");
+        let items = || (0..count).into_par_iter().with_min_len(CHUNK);
+        let all = items().map(&bounds).filter(|b| !b.is_empty()).reduce(|| Aabb::EMPTY, Aabb::union);
         bvh.nodes.clear();
         bvh.order.clear();
         bvh.starts.clear();
@@ -55,11 +54,13 @@ impl CurveBuilder {
         // One scale for all axes, so that the curve's cells are cubes.
         let scale = ((1u32 << BITS) as f32 * 0.999_99 / all.extent().max_element()).min(f32::MAX);
         self.keys.clear();
-        let key = |(i, b): (usize, &Aabb)| {
+        let key = |i: usize| {
+            let b = bounds(i);
             let cell = (b.centre() - all.min) * scale;
-            hilbert([cell.x as u32, cell.y as u32, cell.z as u32]) << ITEM_BITS | i as u64
+            let place = hilbert([cell.x as u32, cell.y as u32, cell.z as u32]);
+            (!b.is_empty()).then_some(place << ITEM_BITS | i as u64)
         };
-        self.keys.par_extend(bounds.par_iter().enumerate().filter(|(_, b)| !b.is_empty()).map(key));
+        self.keys.par_extend(items().filter_map(key));
         // All keys are different: any sort gives the same order.
         self.keys.par_sort_unstable();
         bvh.order.par_extend(self.keys.par_iter().map(|key| (key & ((1 << ITEM_BITS) - 1)) as u32));
@@ -69,7 +70,7 @@ impl CurveBuilder {
         bvh.starts.extend((1..=leaves).map(|leaf| (leaf * WIDTH).min(count) as u32));
         // Boxes of the leaves, then of every level above.
         self.boxes.clear();
-        let leaf_box = |items: &[u32]| items.iter().fold(Aabb::EMPTY, |a, &i| a.union(bounds[i as usize]));
+        let leaf_box = |items: &[u32]| items.iter().fold(Aabb::EMPTY, |a, &i| a.union(bounds(i as usize)));
         self.boxes.par_extend(bvh.order.par_chunks(WIDTH).map(leaf_box));
         let mut levels = vec![(0, leaves)];
         while levels.last().is_some_and(|(_, len)| *len > WIDTH) {
@@ -199,7 +200,7 @@ mod tests {
             if count > 9 {
                 boxes[3] = Aabb::EMPTY;
             }
-            builder.rebuild(&mut bvh, &boxes);
+            builder.rebuild(&mut bvh, boxes.len(), |i| boxes[i]);
             assert_eq!(bvh.order().len(), boxes.iter().filter(|b| !b.is_empty()).count());
             for i in 0..200 {
                 let mut rng = Rng::keyed(4, count, i);
@@ -228,7 +229,7 @@ mod tests {
         let build = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let mut bvh = Bvh::default();
-            pool.install(|| CurveBuilder::default().rebuild(&mut bvh, &boxes));
+            pool.install(|| CurveBuilder::default().rebuild(&mut bvh, boxes.len(), |i| boxes[i]));
             format!("{bvh:?}")
         };
         let one = build(1);

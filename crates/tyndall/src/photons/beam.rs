@@ -140,7 +140,6 @@ pub struct Beams {
     payloads: Vec<Payload>,
     widths: Vec<Width>,
     pieces: Vec<Piece>,
-    boxes: Vec<Aabb>,
     builder: CurveBuilder,
     radius: BeamRadius,
 }
@@ -164,7 +163,6 @@ impl Default for Beams {
             payloads: Vec::new(),
             widths: Vec::new(),
             pieces: Vec::new(),
-            boxes: Vec::new(),
             builder: CurveBuilder::default(),
             radius: BeamRadius::Fixed(0.0),
         }
@@ -186,7 +184,12 @@ impl Beams {
             self.widths.extend(beams.iter().map(|b| b.width));
         }
         self.cut(beams);
-        self.builder.rebuild(&mut self.bvh, &self.boxes);
+        self.builder.rebuild(&mut self.bvh, self.pieces.len(), |i| {
+            let Piece { beam, s0, s1, radius } = self.pieces[i];
+            let Beam { origin, direction, .. } = beams[beam as usize];
+            let bounds = Aabb::from_points([origin + s0 * direction, origin + s1 * direction]);
+            Aabb { min: bounds.min - radius, max: bounds.max + radius }
+        });
         let order = self.bvh.order();
         self.blocks.clear();
         self.blocks.par_extend((0..self.bvh.leaf_count()).into_par_iter().map(|leaf| {
@@ -207,12 +210,11 @@ impl Beams {
         }));
     }
 
-    /// Cuts the beams into pieces about a fifth of the mean length long, but not below twice their width.
+    /// Cuts the beams into pieces about a third of the mean length long, but not below twice their width.
     fn cut(&mut self, beams: &[Beam]) {
         let total: f64 = beams.iter().map(|b| f64::from(b.length)).sum();
-        let usual = (total / beams.len().max(1) as f64) as f32 / 5.0;
+        let usual = (total / beams.len().max(1) as f64) as f32 / 3.0;
         self.pieces.clear();
-        self.boxes.clear();
         for (index, beam) in (0..).zip(beams) {
             let widest = self.radius.largest(&beam.width, 0.0, beam.length);
             let pieces = (beam.length / usual.max(4.0 * widest)).ceil().clamp(1.0, MAX_PIECES);
@@ -221,10 +223,7 @@ impl Beams {
                 let s0 = step * i as f32;
                 let s1 = if i + 1 == pieces as u32 { beam.length } else { step * (i + 1) as f32 };
                 let radius = self.radius.largest(&beam.width, s0, s1);
-                let at = |s: f32| beam.origin + s * beam.direction;
-                let bounds = Aabb::from_points([at(s0), at(s1)]);
                 self.pieces.push(Piece { beam: index, s0, s1, radius });
-                self.boxes.push(Aabb { min: bounds.min - radius, max: bounds.max + radius });
             }
         }
     }
@@ -251,7 +250,6 @@ impl Beams {
             + self.payloads.capacity() * size_of::<Payload>()
             + self.widths.capacity() * size_of::<Width>()
             + self.pieces.capacity() * size_of::<Piece>()
-            + self.boxes.capacity() * size_of::<Aabb>()
             + self.builder.memory_bytes()
     }
 

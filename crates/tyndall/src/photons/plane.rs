@@ -75,19 +75,17 @@ pub struct Planes {
     bvh: Bvh,
     blocks: Vec<PlaneBlock>,
     payloads: Vec<Payload>,
-    boxes: Vec<Aabb>,
     builder: CurveBuilder,
 }
 
 impl Planes {
     /// Arranges the planes. Memory is re-used. The result does not depend on the number of threads.
     pub fn rebuild(&mut self, planes: &[Plane]) {
-        self.boxes.clear();
-        self.boxes.par_extend(planes.par_iter().map(|p| {
+        self.builder.rebuild(&mut self.bvh, planes.len(), |i| {
+            let p = &planes[i];
             let [a, b] = [0, 1].map(|i| p.directions[i] * p.lengths[i]);
             Aabb::from_points([p.origin, p.origin + a, p.origin + b, p.origin + a + b])
-        }));
-        self.builder.rebuild(&mut self.bvh, &self.boxes);
+        });
         let order = self.bvh.order();
         self.payloads.clear();
         self.payloads.par_extend(order.par_iter().map(|&i| {
@@ -127,7 +125,6 @@ impl Planes {
         self.bvh.memory_bytes()
             + self.blocks.capacity() * size_of::<PlaneBlock>()
             + self.payloads.capacity() * size_of::<Payload>()
-            + self.boxes.capacity() * size_of::<Aabb>()
             + self.builder.memory_bytes()
     }
 }

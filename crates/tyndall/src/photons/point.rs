@@ -58,7 +58,6 @@ pub struct Points {
     bvh: Bvh,
     blocks: Vec<PointBlock>,
     payloads: Vec<Payload>,
-    boxes: Vec<Aabb>,
     builder: CurveBuilder,
 }
 
@@ -68,12 +67,10 @@ impl Points {
 
     /// Arranges the photons. Memory is re-used. The result does not depend on the number of threads.
     pub fn rebuild(&mut self, photons: &[Photon]) {
-        self.boxes.clear();
-        self.boxes.par_extend(photons.par_iter().map(|p| {
-            let r = Vec3::splat(p.radius);
-            Aabb { min: p.position - r, max: p.position + r }
-        }));
-        self.builder.rebuild(&mut self.bvh, &self.boxes);
+        self.builder.rebuild(&mut self.bvh, photons.len(), |i| {
+            let Photon { position, radius, .. } = photons[i];
+            Aabb { min: position - radius, max: position + radius }
+        });
         let order = self.bvh.order();
         self.payloads.clear();
         self.payloads.par_extend(order.par_iter().map(|&i| {
@@ -109,7 +106,6 @@ impl Points {
         self.bvh.memory_bytes()
             + self.blocks.capacity() * size_of::<PointBlock>()
             + self.payloads.capacity() * size_of::<Payload>()
-            + self.boxes.capacity() * size_of::<Aabb>()
             + self.builder.memory_bytes()
     }
 

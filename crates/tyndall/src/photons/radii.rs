@@ -48,7 +48,7 @@ pub fn beam_radius(beams: &[Beam], factor: f32, wanted: f32) -> Option<f32> {
 }
 
 /// Largest automatic radius of beams, in units of the radius of the region where they are.
-const LARGEST_SHARE: f32 = 0.05;
+const LARGEST_SHARE: f32 = 0.01;
 
 /// Gives every photon the radius within which about `k` others lie, times `factor`, at most `most` metres: from its m-th
 /// neighbour, m = ceil(sqrt(k)), as if their density were the same all around (Jarosz, Zwicker and Jensen 2008, section 5).

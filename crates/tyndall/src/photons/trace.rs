@@ -79,8 +79,8 @@ pub enum TraceError {
 /// Light paths a chunk: enough to keep a thread busy, few enough to balance.
 const CHUNK: u32 = 2048;
 
-/// Bytes that a datum takes in all: as traced twice, its box, the builder's item, its place in a block.
-const BYTES: [usize; 3] = [160, 900, 450];
+/// Bytes that a datum takes in all: as traced twice, its place along the curve, its place in a block.
+const BYTES: [usize; 3] = [120, 650, 400];
 
 /// Streams of numbers for light paths; those of pixels have smaller names.
 const STREAM: u64 = 1 << 63;

@@ -26,7 +26,7 @@ const PILOT_SET: u32 = u32::MAX;
 /// Neighbours that an automatic radius of points takes in.
 const USUAL_NEIGHBOURS: usize = 24;
 /// Beams that a ray meets with the automatic radius.
-const USUAL_BEAMS: f32 = 24.0;
+const USUAL_BEAMS: f32 = 12.0;
 
 /// The integrator.
 pub(super) struct PhotonMapping {
