@@ -24,10 +24,12 @@ pub(crate) fn choose(
     let scene = &loaded.scene.integrator;
     let mut desc = chosen.map_or_else(|| scene.clone(), |info| replace(scene, info, console));
     // What the scene says is checked first: its mistakes are not those of the command line.
-    make(&desc, loaded)?;
+    if chosen.is_none() || !desc.parameters.is_empty() {
+        make(&desc, loaded)?;
+    }
     let info = find(&desc.name)?;
     for (key, value) in set {
-        if info.parameters.iter().all(|p| p.name != key) {
+        if !info.takes(key) {
             let what = format!("parameter of `{}`", info.name);
             return Err(Failure::unknown(&what, key, info.parameters.iter().map(|p| p.name)));
         }
@@ -68,7 +70,9 @@ pub(crate) fn parameters(desc: &IntegratorDesc) -> String {
         let given = desc.parameters.iter().rev().find(|(name, _)| name == info.name);
         format!("{}={}", info.name, given.map_or(info.default.into(), |(_, value)| text(value)))
     };
-    declared.iter().map(value).collect::<Vec<_>>().join(" ")
+    let of_parts = desc.parameters.iter().filter(|(name, _)| name.contains('.'));
+    let of_parts = of_parts.map(|(name, value)| format!("{name}={}", text(value)));
+    declared.iter().map(value).chain(of_parts).collect::<Vec<_>>().join(" ")
 }
 
 fn text(value: &ParameterValue) -> String {

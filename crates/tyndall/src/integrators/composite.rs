@@ -1,8 +1,9 @@
 //! `composite`: every part of the transport by the integrator that is best at it.
 
 use super::components::Components;
+use super::volpath::common::{HIDE_EMITTERS, MAX_DEPTH};
 use super::{
-    Integrator, IntegratorInfo, Job, ParameterError, ParameterInfo, ParameterKind, Parameters, RareEvents, make,
+    Integrator, IntegratorInfo, Job, ParameterError, ParameterInfo, ParameterKind, Parameters, RareEvents, find, make,
 };
 use crate::Spectrum;
 use crate::film::pixels::PixelSum;
@@ -20,8 +21,8 @@ const fn part(name: &'static str) -> ParameterInfo {
     }
 }
 
-/// Integrators that can be asked for components.
-const PARTS: &[ParameterInfo] = &[
+/// Integrators that can be asked for components, and what all of them are given.
+const PARAMETERS: &[ParameterInfo] = &[
     part("volpath"),
     part("photonmap"),
     part("vpm"),
@@ -32,6 +33,8 @@ const PARTS: &[ParameterInfo] = &[
     part("pvpm"),
     part("pbre"),
     part("ppb"),
+    MAX_DEPTH,
+    HIDE_EMITTERS,
 ];
 
 /// The registry's entry.
@@ -39,8 +42,8 @@ pub const INFO: IntegratorInfo = IntegratorInfo {
     name: "composite",
     aliases: &[],
     summary: "The sum of other integrators, each for some components of the transport.",
-    source: "Novak et al. 2012, section 6",
-    parameters: PARTS,
+    source: "Novak et al. 2012, Virtual ray lights, section 6",
+    parameters: PARAMETERS,
     make: |parameters| Ok(Box::new(Composite::read(parameters)?)),
 };
 
@@ -52,7 +55,7 @@ impl Composite {
     fn read(parameters: &Parameters) -> Result<Self, ParameterError> {
         let mut taken = Components::NONE;
         let mut parts = Vec::new();
-        for info in PARTS {
+        for info in PARAMETERS.iter().filter(|info| find(info.name).is_some()) {
             let text = parameters.text(info.name);
             if text.is_empty() {
                 continue;
@@ -70,7 +73,12 @@ impl Composite {
                 });
             }
             taken = taken.union(wanted);
-            let mut nested = parameters.nested(info.name);
+            // What the part is given itself comes later, and the last one counts.
+            let mut nested = vec![
+                ("max_depth".into(), ParameterValue::Integer(parameters.integer("max_depth"))),
+                ("hide_emitters".into(), ParameterValue::Boolean(parameters.boolean("hide_emitters"))),
+            ];
+            nested.extend(parameters.nested(info.name));
             nested.push(("components".into(), ParameterValue::Text(text)));
             parts.push(make(&IntegratorDesc { name: info.name.into(), parameters: nested })?);
         }

@@ -65,6 +65,14 @@ pub struct IntegratorInfo {
     make: fn(&Parameters) -> Result<Box<dyn Integrator>, ParameterError>,
 }
 
+impl IntegratorInfo {
+    /// Whether `key` is one of its parameters, or `part.parameter` of an integrator that is a part of it.
+    pub fn takes(&self, key: &str) -> bool {
+        let part = key.split_once('.').map_or("", |(part, _)| part);
+        self.parameters.iter().any(|info| info.name == key || (info.name == part && find(part).is_some()))
+    }
+}
+
 /// Every integrator.
 pub static REGISTRY: &[IntegratorInfo] = &[
     volpath::INFO,

@@ -117,7 +117,8 @@ impl<'a> Parameters<'a> {
     ) -> Result<Self, ParameterError> {
         for (name, value) in &desc.parameters {
             // `part.parameter` is checked by the part, which must be one of the declared names.
-            if name.split_once('.').is_some_and(|(part, _)| declared.iter().any(|info| info.name == part)) {
+            let part = name.split_once('.').map_or("", |(part, _)| part);
+            if super::find(part).is_some() && declared.iter().any(|info| info.name == part) {
                 continue;
             }
             let Some(info) = declared.iter().find(|info| info.name == name) else {

@@ -266,7 +266,8 @@ impl Options {
 
     /// What a user should know.
     pub(super) fn warnings(&self, scene: &Scene) -> Vec<String> {
-        if scene.media().is_empty() || self.estimator.is_some() {
+        let in_media = self.components.has(Components::SINGLE.union(Components::MULTIPLE));
+        if scene.media().is_empty() || self.estimator.is_some() || !in_media {
             return Vec::new();
         }
         vec![format!("this integrator shows no light scattered in the scene's media ({})", scene.media().len())]
