@@ -4,6 +4,7 @@ mod check;
 mod checkpoints;
 mod errors;
 mod images;
+mod photons;
 mod render;
 
 use std::path::{Path, PathBuf};

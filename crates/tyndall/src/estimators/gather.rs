@@ -18,6 +18,43 @@ pub struct Gathered {
 }
 
 /// Sum over all data of response times flux times the estimator's weight. Divide it by the number of light paths.
+///
+/// An estimator whose dimensions leave deltas over does not compile. This one does:
+///
+/// ```
+/// # use tyndall::{estimators::{Meet, Merge, PointQuery, gather, merge::PointProbe}, math::{Rng, lanes::Lanes}};
+/// # use tyndall::photons::{PointBlock, Points};
+/// struct Blur;
+///
+/// impl Merge for Blur {
+///     type Probe = PointProbe;
+///     type Store = Points;
+///     const BLUR: u32 = 3;
+/// #   fn touches<L: Lanes>(&self, _: &PointProbe, _: &PointBlock) -> u32 { 0 }
+/// #   fn meet(&self, _: &PointProbe, _: &Points, _: u32, _: usize, _: &mut Rng) -> Option<Meet> { None }
+///     // ...
+/// }
+///
+/// let query: fn(&PointQuery, &Points, &mut Rng) = |query, store, rng| _ = gather(&Blur, query, store, rng);
+/// # std::hint::black_box(query);
+/// ```
+///
+/// A blur of two dimensions is too little between a point and a point:
+///
+/// ```compile_fail
+/// # use tyndall::{estimators::{Meet, Merge, PointQuery, gather, merge::PointProbe}, math::{Rng, lanes::Lanes}};
+/// # use tyndall::photons::{PointBlock, Points};
+/// # struct Blur;
+/// # impl Merge for Blur {
+/// #   type Probe = PointProbe;
+/// #   type Store = Points;
+///     const BLUR: u32 = 2;
+/// #   fn touches<L: Lanes>(&self, _: &PointProbe, _: &PointBlock) -> u32 { 0 }
+/// #   fn meet(&self, _: &PointProbe, _: &Points, _: u32, _: usize, _: &mut Rng) -> Option<Meet> { None }
+/// # }
+/// # let query: fn(&PointQuery, &Points, &mut Rng) = |query, store, rng| _ = gather(&Blur, query, store, rng);
+/// # std::hint::black_box(query);
+/// ```
 #[inline]
 pub fn gather<M, Q>(merge: &M, query: &Q, store: &M::Store, rng: &mut Rng) -> Gathered
 where

@@ -10,6 +10,8 @@ mod point_beam_2d;
 mod point_beam_3d;
 mod point_point_3d;
 mod surface_point_2d;
+#[cfg(test)]
+mod tests;
 
 pub use beam_beam_1d::BeamBeam1D;
 pub use beam_beam_2d::{BeamBeam2DAboutBeam, BeamBeam2DAboutQuery};

@@ -236,3 +236,36 @@ struct Scratch {
     profile: Profile,
     neighbours: Neighbours,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Logarithm of the gamma function (Stirling's series after a shift).
+    fn ln_gamma(x: f64) -> f64 {
+        if x < 10.0 {
+            return ln_gamma(x + 1.0) - x.ln();
+        }
+        let tail = 1.0 / (12.0 * x) - 1.0 / (360.0 * x.powi(3)) + 1.0 / (1260.0 * x.powi(5));
+        (x - 0.5) * x.ln() - x + 0.5 * (2.0 * std::f64::consts::PI).ln() + tail
+    }
+
+    /// The product of (i + alpha) / (i + 1) for i from 1 to n is Gamma(n + 1 + alpha) / (Gamma(1 + alpha) Gamma(n + 2)).
+    #[test]
+    fn radii_shrink_as_gamma_functions_do() {
+        for (dimensions, alphas) in [([1, 2], [0.8, 2.0 / 3.0]), ([3, 2], [4.0 / 7.0, 0.1]), ([2, 2], [0.5, 0.99])] {
+            let mut shrinking = Shrinking::START;
+            // The last one goes back, as after a checkpoint.
+            for n in [0, 1, 2, 10, 1000, 1_000_000, 7] {
+                let found = shrinking.at(n, dimensions, alphas);
+                for k in 0..2 {
+                    let (n, alpha) = (f64::from(n), alphas[k]);
+                    let product = ln_gamma(n + 1.0 + alpha) - ln_gamma(1.0 + alpha) - ln_gamma(n + 2.0);
+                    let expected = (product / f64::from(dimensions[k])).exp();
+                    let error = f64::from(found[k]) / expected - 1.0;
+                    assert!(error.abs() < 1e-6, "pass {n}, {dimensions:?}: {} is not {expected}", found[k]);
+                }
+            }
+        }
+    }
+}
