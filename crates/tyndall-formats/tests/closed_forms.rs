@@ -25,7 +25,7 @@ fn render(case: &Case, set: &[(&str, i64)]) -> ([f64; 3], [f64; 3]) {
     let settings = Settings { integrator: Some(integrator), ..Settings::default() };
     let mut rendering = Rendering::new(&scene, &settings).unwrap();
     let mut result = ([0.0; 3], [0.0; 3]);
-    rendering.run(Budget::Passes(1 << 18), |rendering, _| {
+    let run = rendering.run(Budget::Passes(1 << 18), |rendering, _| {
         let picture = rendering.picture();
         let n = picture.pixels.len() as f64;
         for c in 0..3 {
@@ -35,6 +35,7 @@ fn render(case: &Case, set: &[(&str, i64)]) -> ([f64; 3], [f64; 3]) {
         let precise = (0..3).all(|c| result.1[c] <= 0.5 * PRECISION * case.radiance[c].abs());
         if precise && rendering.passes() >= 256 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
+    run.unwrap();
     assert_eq!(rendering.rare_events().non_finite, 0, "{}", case.name);
     result
 }

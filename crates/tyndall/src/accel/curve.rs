@@ -132,10 +132,10 @@ fn hilbert(cell: [u32; 3]) -> u64 {
 #[inline(always)]
 fn spread(x: u32) -> u64 {
     let mut x = u64::from(x) & 0xffff;
-    x = (x | x << 16) & 0x0000_00ff_0000_ff;
-    x = (x | x << 8) & 0x0000_f00f_00f0_0f;
-    x = (x | x << 4) & 0x000c_30c3_0c30_c3;
-    (x | x << 2) & 0x0024_9249_2492_49
+    x = (x | x << 16) & 0x0000_0000_ff00_00ff;
+    x = (x | x << 8) & 0x0000_00f0_0f00_f00f;
+    x = (x | x << 4) & 0x0000_0c30_c30c_30c3;
+    (x | x << 2) & 0x0000_2492_4924_9249
 }
 
 #[cfg(test)]
