@@ -2,7 +2,7 @@
 
 use crate::console::Console;
 use crate::failure::Failure;
-use tyndall::integrators::{self, Integrator, IntegratorInfo, ParameterInfo, REGISTRY};
+use tyndall::integrators::{self, Integrator, IntegratorInfo, ParameterError, ParameterInfo, REGISTRY};
 use tyndall::scene::desc::{IntegratorDesc, ParameterValue};
 use tyndall_formats::mitsuba::Loaded;
 
@@ -24,8 +24,11 @@ pub(crate) fn choose(
     let scene = &loaded.scene.integrator;
     let mut desc = chosen.map_or_else(|| scene.clone(), |info| replace(scene, info, console));
     // What the scene says is checked first: its mistakes are not those of the command line.
-    if chosen.is_none() || !desc.parameters.is_empty() {
-        make(&desc, loaded)?;
+    match integrators::make(&desc) {
+        // What takes which component may be about to be set.
+        Err(ParameterError::Components { .. }) if chosen.is_some() || !set.is_empty() => {}
+        Err(error) => return Err(Failure::scene(&loaded.integrator.error(&error))),
+        Ok(_) => {}
     }
     let info = find(&desc.name)?;
     for (key, value) in set {

@@ -105,7 +105,7 @@ fn wrong_values() {
         ("bre --set surface_radius=-1", "must be a number from 0, found `-1`"),
         ("bre --set neighbours=-1", "must be a whole number from 0, found `-1`"),
         ("bre --set reuse=-1", "must be a whole number from 0, found `-1`"),
-        ("bre --set alpha=0.5", "has no parameter `alpha`"),
+        ("bre --set alpha=0.5", "there is no parameter of `bre` `alpha`"),
         ("bre --set memory=lots", "is a size such as 512M or 4G, found `lots`"),
         ("bre --set kernel=box", "is one of constant, epanechnikov, biweight, found `box`"),
         ("bre --set absorption=none", "is one of analogue, weight, found `none`"),
