@@ -163,11 +163,12 @@ fn all(ways: &[(&str, &str, f64)], precision: f64) {
 }
 
 #[test]
-fn boundaries_of_all_kinds() {
-    all(&[("beam-beam-1d", "long", 0.05), ("bre", "", 0.1)], 0.01);
+fn walls_that_are_nothing() {
+    let ways = [("beam-beam-1d", "long", 0.05), ("bre", "", 0.1)];
+    check(&furnace("isotropic", Furnace::default()), &ways, 0.01, boxed([1.0; 3], 1.0));
     let chromatic = [3.0, 1.0, 0.3];
     let case = furnace("chromatic", Furnace { sigma_t: chromatic, ..Furnace::default() });
-    check(&case, &[("beam-beam-1d", "short", 0.05), ("beam-beam-2d-beam", "long", 0.05)], 0.01, boxed(chromatic, 1.0));
+    check(&case, &ways[..1], 0.01, boxed(chromatic, 1.0));
 }
 
 /// Nothing is lost at walls: the common normal lies in them to within the ray's slope.
