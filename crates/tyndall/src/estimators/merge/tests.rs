@@ -280,7 +280,7 @@ fn kernels_around_beams_integrate_to_its_length() {
     let mut rng = Rng::keyed(2, 7, 1);
     let (origin, b, length, radius) = (position(&mut rng), direction(&mut rng), 2.0, 0.1);
     let store = beams(&[beam(origin, b, length)], radius);
-    assert!(store.piece_count() > 3);
+    assert!(store.piece_count() > 2);
     let centre = origin + 0.5 * length * b;
     let expected = [f64::from(length), 0.5 * f64::from(length * length)];
     // Sampled residual integrals are noisy.
@@ -364,7 +364,7 @@ fn cut_and_whole() -> [Beams; 2] {
     let cut = beams(&list, 0.04);
     list.push(beam(Vec3::splat(1e5), Vec3::X, 2000.0));
     let whole = beams(&list, 0.04);
-    assert!(cut.piece_count() == 300 && whole.piece_count() <= 60 + 64);
+    assert!(cut.piece_count() == 180 && whole.piece_count() <= 60 + 64);
     [cut, whole]
 }
 
