@@ -170,7 +170,8 @@ fn lanes_of_points() {
     // A ball may be in reach of the ray's line, but not of the ray.
     check_lanes(BeamPoint3D { kernel: KERNEL }, &store, 0.12, random_ray, |_, leaf, lane, m| heavy(leaf, lane, m, 2));
     let on_surface = |rng: &mut Rng| SurfaceProbe { position: position(rng), normal: direction(rng) };
-    check_lanes(SurfacePoint2D { kernel: KERNEL }, &store, 0.01, on_surface, |p, leaf, lane, m| {
+    // The margin around the slab of a tenth of the radius takes a few.
+    check_lanes(SurfacePoint2D { kernel: KERNEL }, &store, 0.04, on_surface, |p, leaf, lane, m| {
         let block = store.block(leaf);
         let above = (block.position(lane) - p.position).dot(p.normal).abs();
         heavy(leaf, lane, m, 2) && above < 0.1 * block.radius.0[lane] - MARGIN

@@ -204,7 +204,7 @@ impl Patch {
         let frame = Frame::from_normal(self.normal);
         let mut random = Random::new(32);
         let [mut counted, mut sampled] = [Moments::default(); 2];
-        for _ in 0..600_000 {
+        for _ in 0..800_000 {
             let light = emit(lights, &mut random).filter(|e| self.receives(&e.ray));
             counted.push(light.map_or(0.0, |e| mix(e.flux) / area));
         }
