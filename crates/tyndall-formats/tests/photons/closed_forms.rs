@@ -108,8 +108,9 @@ fn bias_falls_as_predicted() {
             assert!(two_sided_p(z) > sidak(0.01, 2 * ways.len()), "{what}: z = {z:.1}");
             *bias = predicted;
         }
-        // The squared radii have the quotient 0.53; higher powers change it a little.
+        // Of the predictions, which the measurements have just met: the squared radii have the quotient 0.53, and these are
+        // so large that higher powers count too.
         let quotient = biases[1] / biases[0];
-        assert!((0.4..0.62).contains(&quotient), "{}: {quotient}", way.title());
+        assert!((0.35..0.62).contains(&quotient), "{}: {quotient}", way.title());
     }
 }
