@@ -45,13 +45,25 @@ pub trait Query {
     fn accepts(&self, tag: Tag) -> bool;
     /// The point at distance `t`.
     fn position(&self, t: f32) -> Vec3;
-    /// The medium; `None` on surfaces.
-    fn medium(&self) -> Option<&Medium>;
+    /// The scene, and the medium in it; `None` on surfaces.
+    fn place(&self) -> (&Scene, Option<MediumId>);
     /// What the camera sees of light of unit flux density that arrives at distance `t` along `direction`: throughput,
     /// transmittance, phase function or BSDF.
     fn respond(&self, t: f32, direction: Vec3) -> Spectrum;
+
+    /// The medium; `None` on surfaces.
+    #[inline(always)]
+    fn medium(&self) -> Option<&Medium> {
+        let (scene, medium) = self.place();
+        medium.map(|id| scene.medium(id))
+    }
+
     /// Transmittance of `length` metres from `bend` along `direction`; zero when something stands between.
-    fn look_through(&self, bend: Vec3, direction: Vec3, length: f32, rng: &mut Rng) -> Spectrum;
+    fn look_through(&self, bend: Vec3, direction: Vec3, length: f32, rng: &mut Rng) -> Spectrum {
+        let (scene, medium) = self.place();
+        let ray = Ray { origin: bend, direction };
+        passage(scene, ray, length, medium, true, rng).map_or(Spectrum::ZERO, |p| p.transmittance)
+    }
 }
 
 /// A stretch of the camera's ray inside one medium.
@@ -95,8 +107,8 @@ impl Query for BeamQuery<'_> {
     }
 
     #[inline(always)]
-    fn medium(&self) -> Option<&Medium> {
-        Some(self.scene.medium(self.medium))
+    fn place(&self) -> (&Scene, Option<MediumId>) {
+        (self.scene, Some(self.medium))
     }
 
     #[inline(always)]
@@ -104,11 +116,6 @@ impl Query for BeamQuery<'_> {
         let phase = self.scene.medium(self.medium).phase();
         let value = phase.eval(self.probe.ray.at(t), direction, -self.probe.ray.direction);
         self.throughput * self.profile.at(t) * value
-    }
-
-    fn look_through(&self, bend: Vec3, direction: Vec3, length: f32, rng: &mut Rng) -> Spectrum {
-        let ray = Ray { origin: bend, direction };
-        passage(self.scene, ray, length, Some(self.medium), true, rng).map_or(Spectrum::ZERO, |p| p.transmittance)
     }
 }
 
@@ -154,19 +161,14 @@ impl Query for PointQuery<'_> {
     }
 
     #[inline(always)]
-    fn medium(&self) -> Option<&Medium> {
-        Some(self.scene.medium(self.medium))
+    fn place(&self) -> (&Scene, Option<MediumId>) {
+        (self.scene, Some(self.medium))
     }
 
     #[inline(always)]
     fn respond(&self, _t: f32, direction: Vec3) -> Spectrum {
         let phase = self.scene.medium(self.medium).phase();
         self.throughput * phase.eval(self.probe.position, direction, -self.direction)
-    }
-
-    fn look_through(&self, bend: Vec3, direction: Vec3, length: f32, rng: &mut Rng) -> Spectrum {
-        let ray = Ray { origin: bend, direction };
-        passage(self.scene, ray, length, Some(self.medium), true, rng).map_or(Spectrum::ZERO, |p| p.transmittance)
     }
 }
 
@@ -209,16 +211,12 @@ impl Query for SurfaceQuery<'_> {
     }
 
     #[inline(always)]
-    fn medium(&self) -> Option<&Medium> {
-        None
+    fn place(&self) -> (&Scene, Option<MediumId>) {
+        (self.scene, None)
     }
 
     #[inline(always)]
     fn respond(&self, _t: f32, direction: Vec3) -> Spectrum {
         self.vertex.throughput * respond_to_light(self.scene, self.vertex, direction)
-    }
-
-    fn look_through(&self, _bend: Vec3, _direction: Vec3, _length: f32, _rng: &mut Rng) -> Spectrum {
-        Spectrum::ONE
     }
 }

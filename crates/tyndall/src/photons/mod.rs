@@ -3,6 +3,7 @@
 //! Data are traced into plain vectors in the order of the light paths, then arranged by a [`Bvh`] into
 //! structure-of-arrays leaf blocks: what a query tests lies in rows of eight, what a hit needs besides is kept apart.
 
+mod arranged;
 pub mod beam;
 pub mod footprint;
 pub mod packed;

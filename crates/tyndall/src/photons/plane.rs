@@ -1,12 +1,12 @@
 //! Photon planes: what two consecutive edges of a light path sweep when their lengths vary (Bitterli and Jarosz 2017).
 
+use super::arranged::Arranged;
 use super::{Arriving, Attenuation, Flux, Store, Tag};
 use crate::Spectrum;
-use crate::accel::{Bvh, CurveBuilder};
+use crate::accel::Bvh;
 use crate::math::lanes::{Row, WIDTH};
 use crate::math::{Aabb, Ray, Vec3};
 use crate::scene::medium::Medium;
-use rayon::prelude::*;
 
 /// The parallelogram `origin + s w0 + q w1`. Light runs along `w0`, is scattered after `s` metres and runs along `w1`.
 #[derive(Clone, Copy, Debug)]
@@ -71,32 +71,25 @@ struct Payload {
 
 /// Planes, indexed.
 #[derive(Debug, Default)]
-pub struct Planes {
-    bvh: Bvh,
-    blocks: Vec<PlaneBlock>,
-    payloads: Vec<Payload>,
-    builder: CurveBuilder,
-}
+pub struct Planes(Arranged<PlaneBlock, Payload>);
 
 impl Planes {
     /// Arranges the planes. Memory is re-used. The result does not depend on the number of threads.
     pub fn rebuild(&mut self, planes: &[Plane]) {
-        self.builder.rebuild(&mut self.bvh, planes.len(), |i| {
-            let p = &planes[i];
-            let [a, b] = [0, 1].map(|i| p.directions[i] * p.lengths[i]);
-            Aabb::from_points([p.origin, p.origin + a, p.origin + b, p.origin + a + b])
-        });
-        let order = self.bvh.order();
-        self.payloads.clear();
-        self.payloads.par_extend(order.par_iter().map(|&i| {
-            let Plane { flux, attenuation, end_rate, tag, .. } = planes[i as usize];
-            Payload { flux, attenuation, end_rate, tag }
-        }));
-        self.blocks.clear();
-        self.blocks.par_extend((0..self.bvh.leaf_count()).into_par_iter().map(|leaf| {
-            let mut block = PlaneBlock::EMPTY;
-            for (lane, at) in self.bvh.leaf(leaf as u32).enumerate() {
-                let plane = &planes[order[at] as usize];
+        self.0.rebuild(
+            planes.len(),
+            PlaneBlock::EMPTY,
+            |i| {
+                let Plane { origin, directions, lengths, .. } = planes[i];
+                let [a, b] = [0, 1].map(|edge| directions[edge] * lengths[edge]);
+                Aabb::from_points([origin, origin + a, origin + b, origin + a + b])
+            },
+            |i| {
+                let Plane { flux, attenuation, end_rate, tag, .. } = planes[i];
+                Payload { flux, attenuation, end_rate, tag }
+            },
+            |block, lane, i| {
+                let plane = &planes[i];
                 for axis in 0..3 {
                     block.origin[axis].0[lane] = plane.origin[axis];
                     block.first[axis].0[lane] = plane.directions[0][axis];
@@ -105,27 +98,23 @@ impl Planes {
                 for edge in 0..2 {
                     block.lengths[edge].0[lane] = plane.lengths[edge];
                 }
-            }
-            block
-        }));
+            },
+        );
     }
 
     /// How many planes there are.
     pub fn len(&self) -> usize {
-        self.payloads.len()
+        self.0.len()
     }
 
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.payloads.is_empty()
+        self.len() == 0
     }
 
     /// Memory held, bytes.
     pub fn memory_bytes(&self) -> usize {
-        self.bvh.memory_bytes()
-            + self.blocks.capacity() * size_of::<PlaneBlock>()
-            + self.payloads.capacity() * size_of::<Payload>()
-            + self.builder.memory_bytes()
+        self.0.memory_bytes()
     }
 }
 
@@ -135,24 +124,24 @@ impl Store for Planes {
 
     #[inline(always)]
     fn bvh(&self) -> &Bvh {
-        &self.bvh
+        &self.0.bvh
     }
 
     #[inline(always)]
     fn block(&self, leaf: u32) -> &PlaneBlock {
-        &self.blocks[leaf as usize]
+        &self.0.blocks[leaf as usize]
     }
 
     #[inline(always)]
     fn tag(&self, leaf: u32, lane: usize) -> Tag {
-        self.payloads[self.bvh.leaf(leaf).start + lane].tag
+        self.0.payload(leaf, lane).tag
     }
 
     /// Transmittance of the second edge not included: it depends on what stands in the way.
     #[inline]
     fn arriving(&self, leaf: u32, lane: usize, [s, q]: [f32; 2], x: Vec3, medium: Option<&Medium>) -> Arriving {
-        let payload = &self.payloads[self.bvh.leaf(leaf).start + lane];
-        let (origin, [w0, w1]) = self.blocks[leaf as usize].plane(lane);
+        let payload = self.0.payload(leaf, lane);
+        let (origin, [w0, w1]) = self.block(leaf).plane(lane);
         let Some(medium) = medium else { return Arriving { direction: w1, flux: Spectrum::ZERO } };
         let first = Ray { origin, direction: w0 };
         let bend = first.at(s);

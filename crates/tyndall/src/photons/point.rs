@@ -1,12 +1,12 @@
 //! Photon points.
 
+use super::arranged::Arranged;
 use super::{Arriving, Flux, Store, Tag};
-use crate::accel::{Bvh, CurveBuilder};
+use crate::accel::Bvh;
 use crate::math::lanes::{Row, WIDTH};
 use crate::math::octahedral::Octahedral;
 use crate::math::{Aabb, Vec3};
 use crate::scene::medium::Medium;
-use rayon::prelude::*;
 
 /// A vertex of a light path. Its flux is what *leaves* the collision in a medium (watts, the albedo applied), and what
 /// *arrives* on a surface.
@@ -54,12 +54,7 @@ struct Payload {
 
 /// Photons around which a query may lie within their radius.
 #[derive(Debug, Default)]
-pub struct Points {
-    bvh: Bvh,
-    blocks: Vec<PointBlock>,
-    payloads: Vec<Payload>,
-    builder: CurveBuilder,
-}
+pub struct Points(Arranged<PointBlock, Payload>);
 
 impl Points {
     /// Bytes held for each photon, the hierarchy's nodes apart.
@@ -67,51 +62,39 @@ impl Points {
 
     /// Arranges the photons. Memory is re-used. The result does not depend on the number of threads.
     pub fn rebuild(&mut self, photons: &[Photon]) {
-        self.builder.rebuild(&mut self.bvh, photons.len(), |i| {
-            let Photon { position, radius, .. } = photons[i];
-            Aabb { min: position - radius, max: position + radius }
-        });
-        let order = self.bvh.order();
-        self.payloads.clear();
-        self.payloads.par_extend(order.par_iter().map(|&i| {
-            let Photon { flux, direction, tag, .. } = photons[i as usize];
-            Payload { flux, direction, tag }
-        }));
-        self.blocks.clear();
-        self.blocks.par_extend((0..self.bvh.leaf_count()).into_par_iter().map(|leaf| {
-            let mut block = PointBlock::EMPTY;
-            for (lane, at) in self.bvh.leaf(leaf as u32).enumerate() {
-                let photon = &photons[order[at] as usize];
-                for (row, x) in block.position.iter_mut().zip(photon.position.to_array()) {
+        self.0.rebuild(
+            photons.len(),
+            PointBlock::EMPTY,
+            |i| {
+                let Photon { position, radius, .. } = photons[i];
+                Aabb { min: position - radius, max: position + radius }
+            },
+            |i| {
+                let Photon { flux, direction, tag, .. } = photons[i];
+                Payload { flux, direction, tag }
+            },
+            |block, lane, i| {
+                for (row, x) in block.position.iter_mut().zip(photons[i].position.to_array()) {
                     row.0[lane] = x;
                 }
-                block.radius.0[lane] = photon.radius;
-            }
-            block
-        }));
+                block.radius.0[lane] = photons[i].radius;
+            },
+        );
     }
 
     /// How many photons there are.
     pub fn len(&self) -> usize {
-        self.payloads.len()
+        self.0.len()
     }
 
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.payloads.is_empty()
+        self.len() == 0
     }
 
     /// Memory held, bytes.
     pub fn memory_bytes(&self) -> usize {
-        self.bvh.memory_bytes()
-            + self.blocks.capacity() * size_of::<PointBlock>()
-            + self.payloads.capacity() * size_of::<Payload>()
-            + self.builder.memory_bytes()
-    }
-
-    #[inline(always)]
-    fn payload(&self, leaf: u32, lane: usize) -> &Payload {
-        &self.payloads[self.bvh.leaf(leaf).start + lane]
+        self.0.memory_bytes()
     }
 }
 
@@ -121,22 +104,22 @@ impl Store for Points {
 
     #[inline(always)]
     fn bvh(&self) -> &Bvh {
-        &self.bvh
+        &self.0.bvh
     }
 
     #[inline(always)]
     fn block(&self, leaf: u32) -> &PointBlock {
-        &self.blocks[leaf as usize]
+        &self.0.blocks[leaf as usize]
     }
 
     #[inline(always)]
     fn tag(&self, leaf: u32, lane: usize) -> Tag {
-        self.payload(leaf, lane).tag
+        self.0.payload(leaf, lane).tag
     }
 
     #[inline(always)]
     fn arriving(&self, leaf: u32, lane: usize, _s: [f32; 2], _x: Vec3, _medium: Option<&Medium>) -> Arriving {
-        let payload = self.payload(leaf, lane);
+        let payload = self.0.payload(leaf, lane);
         Arriving { direction: payload.direction.unpack(), flux: payload.flux.unpack() }
     }
 }

@@ -14,7 +14,7 @@
 //!
 //! **Reference.** Jarosz et al. 2011, eq. 38 and table 1.
 
-use super::{BeamProbe, Closest, Meet, Merge, closest, cross, dot, load, minus, splat};
+use super::{Approach, BeamProbe, Closest, Meet, Merge, approach, closest};
 use crate::math::Rng;
 use crate::math::kernels::Kernel;
 use crate::math::lanes::{Lanes, Mask};
@@ -34,21 +34,12 @@ impl Merge for BeamBeam1D {
 
     #[inline(always)]
     fn touches<L: Lanes>(&self, probe: &BeamProbe, block: &BeamBlock) -> u32 {
-        let e = splat::<L>(probe.ray.direction);
-        let b = load::<L>(&block.direction);
-        let v = minus(load(&block.origin), splat(probe.ray.origin));
-        let normal = cross(e, b);
-        let sin2 = dot(normal, normal);
-        let across = dot(v, normal);
-        let radius = L::load(&block.radius);
-        let near = across.mul(across).lt(radius.mul(radius.abs()).mul(sin2));
-        let (cos, ve, vb) = (dot(e, b), dot(v, e), dot(v, b));
-        let t = ve.sub(cos.mul(vb));
-        let s = cos.mul(ve).sub(vb);
+        let Approach { t, s, sin2, rest, slack } = approach::<L>(probe, block);
+        let near = L::splat(0.0).lt(rest);
         let on_ray = L::splat(0.0).le(t).and(t.lt(L::splat(probe.length).mul(sin2)));
-        // A little more than the piece: the division that decides may round either way.
-        let slack = L::splat(1e-5).mul(L::load(&block.s1)).mul(sin2);
-        let on_beam = L::load(&block.s0).mul(sin2).sub(slack).le(s).and(s.le(L::load(&block.s1).mul(sin2).add(slack)));
+        let from = L::load(&block.s0).mul(sin2).sub(slack);
+        let until = L::load(&block.s1).mul(sin2).add(slack);
+        let on_beam = from.le(s).and(s.le(until));
         near.and(on_ray).and(on_beam).bits()
     }
 

@@ -10,7 +10,8 @@
 //! **Extent.** The first edge up to its flight's end, the second to an exponential distance that ignores geometry. Sweeping
 //! `s` moves the second edge, so what lies between bend and ray is looked through for every meeting.
 //!
-//! **Bias.** None. The inverse triple product has no variance: rare bright dots where ray and plane are nearly parallel.
+//! **Bias.** None where both edges and the ray lie in one medium; light that crosses an index-matched boundary into another
+//! medium after the bend is lost. The inverse triple product has no variance: rare bright dots where ray and plane are nearly parallel.
 //!
 //! **Reference.** Bitterli and Jarosz 2017, eq. 13.
 
@@ -18,6 +19,12 @@ use super::{BeamProbe, Meet, Merge, cross, dot, load, minus, splat};
 use crate::math::Rng;
 use crate::math::lanes::{Lanes, Mask};
 use crate::photons::{PlaneBlock, Planes, Store};
+
+/// Whether `0 <= x < length`, where `x` was multiplied by `square`.
+#[inline(always)]
+fn inside<L: Lanes>(x: L, length: L, square: L) -> L::Mask {
+    L::splat(0.0).le(x).and(x.lt(length.mul(square)))
+}
 
 /// Beam query, photon planes, no blur.
 #[derive(Clone, Copy, Debug)]
@@ -42,10 +49,9 @@ impl Merge for BeamPlane0D {
         let r = cross(w0, v);
         let q = dot(d, r).mul(determinant);
         let t = dot(w1, r).mul(determinant);
-        let zero = L::splat(0.0);
-        let inside = |x: L, length: L| zero.le(x).and(x.lt(length.mul(square)));
-        let on_plane = inside(s, L::load(&block.lengths[0])).and(inside(q, L::load(&block.lengths[1])));
-        on_plane.and(inside(t, L::splat(probe.length))).bits()
+        let [first, second] = &block.lengths;
+        let on_plane = inside(s, L::load(first), square).and(inside(q, L::load(second), square));
+        on_plane.and(inside(t, L::splat(probe.length), square)).bits()
     }
 
     #[inline(always)]

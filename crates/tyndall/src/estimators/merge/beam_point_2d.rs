@@ -13,7 +13,7 @@
 //!
 //! **Reference.** Jarosz, Zwicker and Jensen 2008, eq. 14; Jarosz et al. 2011, table 1.
 
-use super::{BeamProbe, Meet, Merge, along, dot, load, minus, splat};
+use super::{BeamProbe, Meet, Merge, feet, load, minus, splat};
 use crate::math::Rng;
 use crate::math::kernels::Kernel;
 use crate::math::lanes::{Lanes, Mask};
@@ -35,10 +35,8 @@ impl Merge for BeamPoint2D {
     fn touches<L: Lanes>(&self, probe: &BeamProbe, block: &PointBlock) -> u32 {
         let direction = splat::<L>(probe.ray.direction);
         let offset = minus(load::<L>(&block.position), splat(probe.ray.origin));
-        let t = dot(offset, direction);
-        let across = along(offset, L::splat(0.0).sub(t), direction);
         let radius = L::load(&block.radius);
-        let near = dot(across, across).lt(radius.mul(radius.abs()));
+        let (t, near) = feet(offset, direction, radius);
         near.and(L::splat(0.0).le(t)).and(t.lt(L::splat(probe.length))).bits()
     }
 

@@ -12,7 +12,7 @@
 //!
 //! **Reference.** Jarosz et al. 2011, table 1.
 
-use super::{BeamProbe, Meet, Merge, along, chord, dot, load, minus, splat};
+use super::{BeamProbe, Meet, Merge, chord, feet, load, minus, splat};
 use crate::math::Rng;
 use crate::math::kernels::Kernel;
 use crate::math::lanes::{Lanes, Mask};
@@ -34,10 +34,8 @@ impl Merge for BeamPoint3D {
     fn touches<L: Lanes>(&self, probe: &BeamProbe, block: &PointBlock) -> u32 {
         let direction = splat::<L>(probe.ray.direction);
         let offset = minus(load::<L>(&block.position), splat(probe.ray.origin));
-        let t = dot(offset, direction);
-        let across = along(offset, L::splat(0.0).sub(t), direction);
         let radius = L::load(&block.radius);
-        let near = dot(across, across).lt(radius.mul(radius.abs()));
+        let (t, near) = feet(offset, direction, radius);
         // The ball reaches beyond its centre by less than its radius.
         near.and(L::splat(0.0).lt(t.add(radius))).and(t.sub(radius).lt(L::splat(probe.length))).bits()
     }

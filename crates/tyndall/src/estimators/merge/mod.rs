@@ -156,9 +156,30 @@ impl Closest {
     }
 }
 
-/// The pieces of beams of which some point may lie within their radius of some point of the ray.
+/// Feet of `offset`s on lines through the origin: distances along the unit vectors `direction`, and which of them are
+/// less than `radius` away. A negative radius is less than every distance.
 #[inline(always)]
-fn lines_touch<L: Lanes>(probe: &BeamProbe, block: &BeamBlock) -> u32 {
+fn feet<L: Lanes>(offset: [L; 3], direction: [L; 3], radius: L) -> (L, L::Mask) {
+    let t = dot(offset, direction);
+    let across = along(offset, L::splat(0.0).sub(t), direction);
+    (t, dot(across, across).lt(radius.mul(radius.abs())))
+}
+
+/// Where the lines of a ray and of eight beams are closest, all multiplied by the square of the sine between them.
+struct Approach<L> {
+    /// Distance along the ray.
+    t: L,
+    /// Distance along the beam.
+    s: L,
+    sin2: L,
+    /// Squared radius minus squared distance; positive where the lines are near each other.
+    rest: L,
+    /// A hundred-thousandth of the piece's end: the division that decides may round either way.
+    slack: L,
+}
+
+#[inline(always)]
+fn approach<L: Lanes>(probe: &BeamProbe, block: &BeamBlock) -> Approach<L> {
     let e = splat::<L>(probe.ray.direction);
     let b = load::<L>(&block.direction);
     let v = minus(load(&block.origin), splat(probe.ray.origin));
@@ -166,13 +187,23 @@ fn lines_touch<L: Lanes>(probe: &BeamProbe, block: &BeamBlock) -> u32 {
     let sin2 = dot(normal, normal);
     let across = dot(v, normal);
     let radius = L::load(&block.radius);
-    // Half the chord times the squared sine, itself squared.
-    let rest = radius.mul(radius.abs()).mul(sin2).sub(across.mul(across));
-    let half = rest.max(L::splat(0.0)).sqrt();
     let (cos, ve, vb) = (dot(e, b), dot(v, e), dot(v, b));
-    let t = ve.sub(cos.mul(vb));
-    let s = cos.mul(ve).sub(vb);
-    let slack = half.add(L::splat(1e-5).mul(L::load(&block.s1)).mul(sin2));
+    Approach {
+        t: ve.sub(cos.mul(vb)),
+        s: cos.mul(ve).sub(vb),
+        sin2,
+        rest: radius.mul(radius.abs()).mul(sin2).sub(across.mul(across)),
+        slack: L::splat(1e-5).mul(L::load(&block.s1)).mul(sin2),
+    }
+}
+
+/// The pieces of beams of which some point may lie within their radius of some point of the ray.
+#[inline(always)]
+fn lines_touch<L: Lanes>(probe: &BeamProbe, block: &BeamBlock) -> u32 {
+    let Approach { t, s, sin2, rest, slack } = approach::<L>(probe, block);
+    // Half the chord times the squared sine, whose square is the rest.
+    let half = rest.max(L::splat(0.0)).sqrt();
+    let slack = half.add(slack);
     let on_ray = L::splat(0.0).le(t.add(half)).and(t.sub(half).le(L::splat(probe.length).mul(sin2)));
     let on_beam = L::load(&block.s0).mul(sin2).le(s.add(slack)).and(s.sub(slack).le(L::load(&block.s1).mul(sin2)));
     L::splat(0.0).lt(rest).and(on_ray).and(on_beam).bits()

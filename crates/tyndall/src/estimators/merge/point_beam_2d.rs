@@ -13,7 +13,7 @@
 //!
 //! **Reference.** Jarosz et al. 2011, table 1.
 
-use super::{Meet, Merge, PointProbe, along, dot, load, minus, splat};
+use super::{Meet, Merge, PointProbe, feet, load, minus, splat};
 use crate::math::kernels::Kernel;
 use crate::math::lanes::{Lanes, Mask};
 use crate::math::{Rng, Vec3};
@@ -35,10 +35,8 @@ impl Merge for PointBeam2D {
     fn touches<L: Lanes>(&self, probe: &PointProbe, block: &BeamBlock) -> u32 {
         let direction = load::<L>(&block.direction);
         let offset = minus(splat::<L>(probe.position), load(&block.origin));
-        let s = dot(offset, direction);
-        let across = along(offset, L::splat(0.0).sub(s), direction);
         let radius = L::load(&block.radius);
-        let near = dot(across, across).lt(radius.mul(radius.abs()));
+        let (s, near) = feet(offset, direction, radius);
         near.and(L::load(&block.s0).le(s)).and(s.lt(L::load(&block.s1))).bits()
     }
 

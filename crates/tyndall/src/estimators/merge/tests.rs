@@ -11,6 +11,7 @@ use crate::math::{Aabb, Frame, Vec2, warp};
 use crate::photons::{
     Attenuation, Beam, BeamRadius, Beams, Flux, Origin, Photon, Plane, Planes, Points, Store, Tag, Width,
 };
+use crate::scene::Scene;
 use crate::scene::desc::MediumId;
 use crate::scene::medium::Medium;
 
@@ -475,6 +476,9 @@ impl Query for Plain {
     }
     fn position(&self, t: f32) -> Vec3 {
         self.0.ray.at(t)
+    }
+    fn place(&self) -> (&Scene, Option<MediumId>) {
+        unreachable!("neither the medium nor the way through it is asked of the scene")
     }
     fn medium(&self) -> Option<&Medium> {
         None

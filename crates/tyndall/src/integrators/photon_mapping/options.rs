@@ -267,9 +267,15 @@ impl Options {
     /// What a user should know.
     pub(super) fn warnings(&self, scene: &Scene) -> Vec<String> {
         let in_media = self.components.has(Components::SINGLE.union(Components::MULTIPLE));
-        if scene.media().is_empty() || self.estimator.is_some() || !in_media {
-            return Vec::new();
+        let media = scene.media().len();
+        match self.estimator {
+            _ if media == 0 || !in_media => Vec::new(),
+            None => vec![format!("this integrator shows no light scattered in the scene's media ({media})")],
+            Some(Estimator::BeamPlane0D) if media > 1 => vec![
+                "photon planes lose light that crosses from one medium into another between its last two scatterings"
+                    .to_string(),
+            ],
+            Some(_) => Vec::new(),
         }
-        vec![format!("this integrator shows no light scattered in the scene's media ({})", scene.media().len())]
     }
 }
