@@ -108,6 +108,13 @@ pub(crate) struct Render {
     #[arg(long, help_heading = "Checkpoints")]
     pub(crate) resume: bool,
 
+    /// Keep the checkpoint of a finished picture: with --resume and a larger budget it goes on from there
+    #[arg(long, help_heading = "Checkpoints")]
+    pub(crate) keep_checkpoint: bool,
+
+    #[command(flatten)]
+    pub(crate) measuring: Measuring,
+
     /// Say nothing but errors
     #[arg(short, long, conflicts_with = "verbose")]
     pub(crate) quiet: bool,
@@ -115,6 +122,25 @@ pub(crate) struct Render {
     /// Say more
     #[arg(short, long)]
     pub(crate) verbose: bool,
+}
+
+/// What is measured along the way.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Measuring")]
+pub(crate) struct Measuring {
+    /// Let --time count loading and building the scene as well
+    #[arg(long, requires = "time")]
+    pub(crate) include_load: bool,
+
+    /// Write times, samples, light paths and peak memory as JSON
+    #[arg(long, value_name = "FILE")]
+    pub(crate) statistics: Option<PathBuf>,
+
+    /// Keep the picture at doubling times in this folder
+    ///
+    /// The time that writing takes does not count.
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) series: Option<PathBuf>,
 }
 
 /// `tyndall check`.

@@ -6,6 +6,7 @@ mod checkpoint;
 mod choice;
 mod console;
 mod failure;
+mod fingerprint;
 mod image;
 mod integrators;
 mod interrupt;
@@ -13,6 +14,9 @@ mod load;
 mod output;
 mod progress;
 mod render;
+mod series;
+mod state;
+mod statistics;
 
 use args::{Cli, Command};
 use clap::Parser;

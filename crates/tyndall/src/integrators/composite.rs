@@ -3,7 +3,8 @@
 use super::components::Components;
 use super::volpath::common::{HIDE_EMITTERS, MAX_DEPTH};
 use super::{
-    Integrator, IntegratorInfo, Job, ParameterError, ParameterInfo, ParameterKind, Parameters, RareEvents, find, make,
+    Counts, Integrator, IntegratorInfo, Job, ParameterError, ParameterInfo, ParameterKind, Parameters, RareEvents,
+    find, make,
 };
 use crate::Spectrum;
 use crate::film::pixels::PixelSum;
@@ -103,6 +104,14 @@ impl Integrator for Composite {
 
     fn prepare(&mut self, scene: &Scene, seed: u64, pass: u32) -> Result<u32, TraceError> {
         self.parts.iter_mut().try_fold(u32::MAX, |serves, part| Ok(serves.min(part.prepare(scene, seed, pass)?)))
+    }
+
+    fn counts(&self) -> Counts {
+        let add = |a: Counts, b: Counts| Counts {
+            light_paths: a.light_paths + b.light_paths,
+            photons: a.photons + b.photons,
+        };
+        self.parts.iter().map(|part| part.counts()).fold(Counts::default(), add)
     }
 
     fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum]) -> RareEvents {

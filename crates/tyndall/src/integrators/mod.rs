@@ -35,6 +35,15 @@ pub struct RareEvents {
     pub non_finite: u64,
 }
 
+/// What an integrator made beside the pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Light paths traced.
+    pub light_paths: u64,
+    /// Points, beams and planes that they left.
+    pub photons: u64,
+}
+
 /// An algorithm that renders tiles.
 pub trait Integrator: Send + Sync {
     /// What a user should know before rendering `scene`, one line each.
@@ -44,6 +53,11 @@ pub trait Integrator: Send + Sync {
     /// one on it serves. Called in the thread pool, before the tiles.
     fn prepare(&mut self, _scene: &Scene, _seed: u64, _pass: u32) -> Result<u32, TraceError> {
         Ok(u32::MAX)
+    }
+
+    /// What it made so far.
+    fn counts(&self) -> Counts {
+        Counts::default()
     }
 
     /// Adds the job's passes to the tile's pixels. The result depends on the job alone.

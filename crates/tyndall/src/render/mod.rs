@@ -9,7 +9,7 @@ pub use checkpoint::CheckpointError;
 pub use picture::Picture;
 
 use crate::film::pixels::Pixels;
-use crate::integrators::{self, Integrator, Job, ParameterError, RareEvents};
+use crate::integrators::{self, Counts, Integrator, Job, ParameterError, RareEvents};
 use crate::photons::TraceError;
 use crate::scene::Scene;
 use crate::scene::desc::IntegratorDesc;
@@ -125,6 +125,11 @@ impl<'s> Rendering<'s> {
     /// Counts of rare events so far.
     pub fn rare_events(&self) -> RareEvents {
         self.rare
+    }
+
+    /// What the integrator made beside the pixels, since it was set up: a render that was continued starts from nothing.
+    pub fn counts(&self) -> Counts {
+        self.integrator.counts()
     }
 
     /// Renders `count` more passes. After an error the picture is what it was before the pass that failed.

@@ -10,7 +10,7 @@ pub mod registry;
 
 use self::camera::Gatherer;
 use self::options::{Estimator, Options, Selection};
-use super::{Integrator, Job, RareEvents, sample_pixels};
+use super::{Counts, Integrator, Job, RareEvents, sample_pixels};
 use crate::accel::{KdTree, Neighbours};
 use crate::film::pixels::PixelSum;
 use crate::math::Vec3;
@@ -43,6 +43,7 @@ pub(super) struct PhotonMapping {
     /// The set of light paths at hand.
     set: Option<u32>,
     shrinking: Shrinking,
+    counts: Counts,
 }
 
 /// The radii of progressive passes in units of the first: `r_{i+1}^J = r_i^J (i + alpha) / (i + 1)` for blurs of dimension J
@@ -86,6 +87,7 @@ impl PhotonMapping {
             radii: None,
             set: None,
             shrinking: Shrinking::START,
+            counts: Counts::default(),
         }
     }
 
@@ -185,6 +187,8 @@ impl Integrator for PhotonMapping {
             ..self.tracing(scene, seed, set)
         };
         self.paths.trace(scene, &tracing)?;
+        self.counts.light_paths += u64::from(tracing.paths);
+        self.counts.photons += self.paths.data() as u64;
         if tracing.wanted.points {
             let points = &mut self.paths.points;
             match self.options.selection {
@@ -220,6 +224,10 @@ impl Integrator for PhotonMapping {
         }
         self.set = Some(set);
         Ok(serves)
+    }
+
+    fn counts(&self) -> Counts {
+        self.counts
     }
 
     fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum]) -> RareEvents {
