@@ -6,6 +6,7 @@ pub mod flip;
 pub mod hdr_flip;
 pub mod merge;
 pub mod metrics;
+pub mod report;
 pub mod split;
 pub mod summary;
 mod view;

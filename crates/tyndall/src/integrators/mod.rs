@@ -79,6 +79,12 @@ pub struct IntegratorInfo {
     make: fn(&Parameters) -> Result<Box<dyn Integrator>, ParameterError>,
 }
 
+impl std::fmt::Debug for IntegratorInfo {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_tuple("IntegratorInfo").field(&self.name).finish()
+    }
+}
+
 impl IntegratorInfo {
     /// Whether `key` is one of its parameters, or `part.parameter` of an integrator that is a part of it.
     pub fn takes(&self, key: &str) -> bool {
