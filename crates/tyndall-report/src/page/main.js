@@ -53,10 +53,10 @@ const drawControls = () => {
   const exposure = state.exposure[state.scene];
   byId("exposure").value = exposure;
   byId("exposure-value").textContent = `${exposure > 0 ? "+" : exposure < 0 ? "−" : ""}${Math.abs(exposure).toFixed(1)} EV`;
-  byId("range").value = state.range;
-  byId("range-value").textContent = number(state.display === "flip" ? 1 : 10 ** state.range, 2);
+  byId("range").value = rangeNow();
+  byId("range-value").textContent = number(state.display === "flip" ? 1 : 10 ** rangeNow(), 2);
   byId("scale").style.background = state.display === "signed" ? SIGNED_STYLE : rampStyle();
-  byId("scale").nextElementSibling.textContent = state.display === "signed" ? `−${number(10 ** state.range, 2)}` : "0";
+  byId("scale").nextElementSibling.textContent = state.display === "signed" ? `−${number(10 ** rangeNow(), 2)}` : "0";
   const colour = state.display === "colour";
   byId("exposure-field").hidden = byId("tone-field").hidden = byId("auto").hidden = !colour;
   byId("range-field").hidden = colour;

@@ -49,8 +49,7 @@ void main() {
   // Where a screen pixel covers several of the picture, their colours are averaged.
   int n = clamp(int(ceil(texels - 0.01)), 1, 6);
   vec3 sum = vec3(0.0);
-  for (int j = 0; j < 6; j++) for (int i = 0; i < 6; i++) {
-    if (i >= n || j >= n) continue;
+  for (int j = 0; j < n; j++) for (int i = 0; i < n; i++) {
     vec2 at = centre + (vec2(i, j) + 0.5 - 0.5 * float(n)) * (texels / float(n));
     sum += shown(clamp(ivec2(floor(n == 1 ? centre : at)), ivec2(0), size - 1));
   }
@@ -142,7 +141,7 @@ const painter = (() => {
       gl.uniform2f(uniform("paneCorner"), pane.x, pane.y);
       gl.uniform1f(uniform("texels"), pane.texels);
       gl.uniform1f(uniform("gain"), 2 ** pane.exposure);
-      gl.uniform1f(uniform("limit"), 10 ** state.range);
+      gl.uniform1f(uniform("limit"), 10 ** rangeNow());
       gl.uniform1f(uniform("targetHeight"), canvas.height);
       gl.uniform1i(uniform("display"), display);
       gl.uniform1i(uniform("curve"), TONES.findIndex(([name]) => name === state.tone));

@@ -71,6 +71,33 @@ const pixelAt = (picture, x, y) => {
   return [0, 1, 2].map((c) => halfToNumber(picture.values[3 * i + c]));
 };
 
+const ranges = new Map();
+/** The end of the error's scale, a power of ten: as set, or so that a few percent of the pixels of all pictures are beyond. */
+const rangeNow = () => {
+  if (state.range !== null) return state.range;
+  const key = `${state.scene} ${state.display} ${entryOf(REFERENCE) ? "" : state.b}`;
+  if (ranges.has(key)) return ranges.get(key);
+  const reference = pictureNow(against()?.picture);
+  const others = entries(currentScene()).filter((entry) => entry !== against()).map((entry) => pictureNow(entry.picture));
+  if (!reference || others.includes(null)) return 0;
+  const errors = others.flatMap((picture) => {
+    const list = [];
+    const all = picture.width * picture.height;
+    for (let i = 0; i < all; i += Math.max(1, Math.floor(all / 4000))) {
+      const [x, y] = [i % picture.width, Math.floor(i / picture.width)];
+      const expected = pixelAt(reference, x, y);
+      const difference = pixelAt(picture, x, y).map((v, c) => v - expected[c]);
+      const mean = (f) => difference.reduce((sum, d, c) => sum + f(d, expected[c]), 0) / 3;
+      list.push(state.display === "relative" ? mean((d, r) => (d * d) / (r * r + 1e-3)) : mean((d) => Math.abs(d)));
+    }
+    return list;
+  }).sort((p, q) => p - q);
+  const bright = errors[Math.floor(0.93 * errors.length)];
+  const range = bright > 0 ? clamp(Math.round(10 * Math.log10(bright)) / 10, -4, 3) : 0;
+  ranges.set(key, range);
+  return range;
+};
+
 /** The exposure at which the picture's bright parts are just not clipped. */
 const usualExposure = (picture) => {
   const step = Math.max(1, Math.floor((picture.width * picture.height) / 20000));

@@ -24,7 +24,7 @@ const firstPair = (scene) => {
 };
 
 const state = {
-  scene: 0, mode: "split", a: 0, b: 0, flipped: false, split: 0.5, display: "colour", tone: "srgb", range: 0,
+  scene: 0, mode: "split", a: 0, b: 0, flipped: false, split: 0.5, display: "colour", tone: "srgb", range: null,
   exposure: report.scenes.map(() => 0), zoom: 1, x: 0.5, y: 0.5, metric: "relmse",
   insets: report.scenes.map((scene) => scene.insets.map((inset) => ({ ...inset }))),
 };
@@ -46,11 +46,12 @@ const writeAddress = () => {
   const round = (x) => Number(x.toFixed(4));
   const fields = {
     scene: currentScene()?.name, mode: state.mode, a: nameOf(state.a), b: nameOf(state.b), show: state.display, curve: state.tone,
-    range: round(state.range), zoom: round(state.zoom), at: `${round(state.x)},${round(state.y)}`, split: round(state.split),
+    zoom: round(state.zoom), at: `${round(state.x)},${round(state.y)}`, split: round(state.split),
     exposure: state.exposure.map(round).join(","), error: state.metric,
     insets: state.insets.map((list) => list.map((i) => [i.x, i.y, i.width, i.height].join(",")).join(";")).join("|"),
   };
   if (state.flipped) fields.flip = 1;
+  if (state.range !== null) fields.range = round(state.range);
   history.replaceState(null, "", `#${new URLSearchParams(fields)}`);
 };
 
@@ -73,7 +74,7 @@ const readAddress = () => {
   state.a = indexOf(fields.get("a")) ?? state.a;
   state.b = indexOf(fields.get("b")) ?? state.b;
   state.flipped = fields.get("flip") === "1";
-  state.range = finite(fields.get("range"), -4, 3, state.range);
+  state.range = finite(fields.get("range"), -4, 3, null);
   state.zoom = finite(fields.get("zoom"), 0.1, 400, state.zoom);
   state.split = finite(fields.get("split"), 0, 1, state.split);
   const at = (fields.get("at") ?? "").split(",");

@@ -30,7 +30,7 @@ const buildGrid = () => {
       const error = method?.figures.relmse;
       const flagged = method?.split?.significant ? element("span", { class: "flag", title: "differs from the reference by more than noise" }, "bias") : null;
       const caption = element("span", { class: "caption" },
-        element("span", { class: error && error.median === best ? "best" : "" }, error ? `relMSE ${number(error.median)}` : measured ? "" : name), flagged);
+        element("span", { class: error && error.median === best ? "best" : "" }, error ? `relMSE ${number(error.median)}` : entry.index === REFERENCE ? "what errors are against" : measured ? "" : name), flagged);
       const button = element("button", { type: "button", "aria-label": `${scene.name}, ${name}`, click: (event) => {
         chooseScene(s);
         if (event.shiftKey) change({ b: entry.index });
@@ -47,7 +47,7 @@ const buildGrid = () => {
 
 let drawnThumbs = "";
 const drawGrid = () => {
-  const signature = JSON.stringify([state.exposure, state.tone, state.display, state.range, state.b, decoded.size, [...decoded.values()].filter((p) => p.values).length]);
+  const signature = JSON.stringify([state.exposure, state.tone, state.display, state.display === "colour" ? 0 : rangeNow(), state.b, decoded.size, [...decoded.values()].filter((p) => p.values).length]);
   for (const { scene, entry, button } of thumbs) {
     const here = scene === state.scene;
     button.setAttribute("aria-current", here && entry.index === state.a);

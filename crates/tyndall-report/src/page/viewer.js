@@ -82,19 +82,19 @@ const drawValues = (context, pane, ratio) => {
   context.beginPath();
   context.rect(pane.x, pane.y, pane.width, pane.height);
   context.clip();
-  context.font = `${11 * ratio}px ui-monospace, Menlo, monospace`;
+  context.font = `600 ${12 * ratio}px ui-monospace, Menlo, monospace`;
   context.textAlign = "center";
   const [x0, y0] = pictureAt(pane, pane.x, pane.y).map(Math.floor);
   const [x1, y1] = pictureAt(pane, pane.x + pane.width, pane.y + pane.height).map(Math.floor);
-  const tints = picture.kind === "byte" ? ["#fff"] : ["#ff9d8f", "#9df09d", "#a5c4ff"];
+  const tints = picture.kind === "byte" ? ["#fff"] : ["#ffdcd6", "#d8ffd8", "#dbe6ff"];
   for (let y = Math.max(0, y0); y <= Math.min(picture.height - 1, y1); y++) {
     for (let x = Math.max(0, x0); x <= Math.min(picture.width - 1, x1); x++) {
       const left = pane.x + (x + 0.5 - pane.left) * scale;
       const top = pane.y + (y + 0.5 - pane.top) * scale;
       pixelAt(picture, x, y).forEach((value, c) => {
         context.lineWidth = 3 * ratio;
-        context.strokeStyle = "#000b";
-        const at = top + (tints.length === 1 ? 4 : (c - 0.7) * 14) * ratio;
+        context.strokeStyle = "#000c";
+        const at = top + (tints.length === 1 ? 4 : (c - 0.7) * 15) * ratio;
         context.strokeText(number(value), left, at);
         context.fillStyle = tints[c];
         context.fillText(number(value), left, at);
@@ -120,6 +120,8 @@ const drawRegions = (context, pane, ratio) => {
 };
 
 const drawStage = () => {
+  const scene = currentScene();
+  stage.style.setProperty("--aspect", state.mode === "tiles" ? 2 : scene.height / scene.width);
   const ratio = window.devicePixelRatio || 1;
   const [width, height] = [Math.round(stage.clientWidth * ratio), Math.round(stage.clientHeight * ratio)];
   if (!width || !height) return;
@@ -157,7 +159,7 @@ const drawReadout = () => {
     readout.replaceChildren(element("span", {}, `${width} × ${height} pixels, shown at ${shown} %`), element("span", {}, "drag to pan, wheel or pinch to zoom"));
     return;
   }
-  const list = state.mode === "tiles" ? entries(currentScene()) : [...new Set([entryOf(state.a), entryOf(state.b), entryOf(REFERENCE)])].filter(Boolean);
+  const list = state.mode === "tiles" ? entries(currentScene()) : [...new Set([state.a, state.b, REFERENCE])].map(entryOf).filter(Boolean);
   const values = list.map((entry) => {
     const picture = pictureNow(entry.picture);
     const text = picture ? pixelAt(picture, px, py).map((v) => number(v)).join("  ") : "…";
@@ -234,7 +236,7 @@ const listenToStage = () => {
   stage.addEventListener("wheel", (event) => {
     event.preventDefault();
     const step = event.deltaMode === 1 ? event.deltaY * 20 : event.deltaY;
-    zoomAbout(Math.exp(-clamp(step, -240, 240) * (event.ctrlKey ? 0.01 : 0.0025)), stagePoint(event));
+    zoomAbout(Math.exp(-clamp(step, -400, 400) * (event.ctrlKey ? 0.01 : 0.003)), stagePoint(event));
   }, { passive: false });
   stage.addEventListener("dblclick", (event) => event.target.id !== "split" && zoomAbout(2, stagePoint(event)));
 
