@@ -236,8 +236,8 @@ pub(crate) enum Image {
         /// The reference
         #[arg(value_name = "B")]
         reference: PathBuf,
-        /// The error to measure: relMSE, MAPE, MSE, PSNR (the peak is that of B) or FLIP; can be given several times, all if
-        /// not given
+        /// The error to measure: relMSE, robust (relMSE without the worst 0.1 % of the pixels), MAPE, SMAPE, MSE, PSNR (the
+        /// peak is that of B), FLIP or HDR-FLIP; can be given several times, all if not given
         #[arg(long, value_name = "NAME")]
         metric: Vec<String>,
         /// Also write the error of every pixel, grey: of the first metric named, FLIP if none is

@@ -65,6 +65,11 @@ impl Metric {
     }
 }
 
+/// The largest value of a picture, at least 0: what its PSNR is usually measured against.
+pub fn peak(view: View) -> f64 {
+    f64::from(view.pixels().as_flattened().iter().copied().fold(0.0, f32::max))
+}
+
 /// Peak signal-to-noise ratio in decibels for values up to `peak`; infinite when the pictures are equal.
 pub fn psnr(picture: View, reference: View, peak: f64) -> Result<f64, MetricError> {
     Ok(10.0 * (peak * peak / Metric::Mse.mean(picture, reference)?).log10())

@@ -10,7 +10,7 @@ use crate::failure::Failure;
 use std::collections::BTreeMap;
 use tyndall_report::agreement::{Agreement, Estimate};
 use tyndall_report::flip::PIXELS_PER_DEGREE;
-use tyndall_report::metrics::{Metric, psnr};
+use tyndall_report::metrics::{Metric, peak, psnr};
 use tyndall_report::report::{self, Inset, Pictures, Point, Quantity};
 use tyndall_report::split::{Noise, Split};
 use tyndall_report::summary::{Figure, PowerLaw, time_to_reach};
@@ -175,9 +175,8 @@ fn figures(
     };
     if let Some(reference) = reference {
         let (view, expected) = (picture.view(), reference.picture.view());
-        let peak = f64::from(expected.pixels().as_flattened().iter().copied().fold(0.0, f32::max));
         let relative = Metric::RelMse.mean(view, expected)?;
-        add(Quantity::Psnr, Some(psnr(view, expected, peak)?));
+        add(Quantity::Psnr, Some(psnr(view, expected, peak(expected))?));
         add(Quantity::Flip, Some(flip::mean(view, expected, PIXELS_PER_DEGREE)?));
         add(Quantity::HdrFlip, Some(hdr_flip::mean(view, expected, PIXELS_PER_DEGREE)?));
         add(Quantity::Efficiency, Some(1.0 / (relative * record.seconds)));

@@ -30,7 +30,7 @@ const buildGrid = () => {
       const error = method?.figures.relmse;
       const flagged = method?.split?.significant ? element("span", { class: "flag", title: "differs from the reference by more than noise" }, "bias") : null;
       const caption = element("span", { class: "caption" },
-        element("span", { class: error && error.median === best ? "best" : "" }, error ? `relMSE ${number(error.median)}` : entry.index === REFERENCE ? "what errors are against" : measured ? "" : name), flagged);
+        element("span", { class: error && error.median === best ? "best" : "" }, error ? `relMSE ${number(error.median)}` : entry.index === REFERENCE ? "measured against" : measured ? "" : name), flagged);
       const button = element("button", { type: "button", "aria-label": `${scene.name}, ${name}`, click: (event) => {
         chooseScene(s);
         if (event.shiftKey) change({ b: entry.index });
@@ -93,6 +93,8 @@ const drawFigures = () => {
   if (sorting) order.sort((p, q) => sorting.sign * ((median(p.method, sorting.key) ?? Infinity) - (median(q.method, sorting.key) ?? Infinity)));
   const best = (q) => {
     const values = scene.methods.map((m) => median(m, q.key)).filter((v) => v !== undefined);
+    // Nobody is the best of equals.
+    if (Math.max(...values) < 1.02 * Math.min(...values)) return null;
     return q.better === null || values.length < 2 ? null : q.better === "low" ? Math.min(...values) : Math.max(...values);
   };
   const heading = (q) => {
@@ -122,12 +124,12 @@ const drawRemarks = (scene) => {
   if (reference) {
     const own = reference.own_error !== null ? `, its own relMSE ${number(reference.own_error)}${reference.aim !== null ? ` (aimed at ${number(reference.aim)}, a tenth of the best contender's)` : ""}` : "";
     const spent = reference.samples !== null ? `, ${short(reference.samples)} samples per pixel in ${number(reference.seconds)} s` : "";
-    remarks.push(element("li", {}, element("b", {}, "Reference: "), `${reference.source}${spent}${own}.`));
+    remarks.push(element("li", {}, element("b", {}, "Reference: "), `${reference.source.replaceAll("`", "")}${spent}${own}.`));
     if (reference.agreement) {
       const t = reference.agreement;
       remarks.push(element("li", { class: t.agree ? "" : "flag" }, `Its independent halves ${t.agree ? "agree" : "do NOT agree"}: mean z² ${number(t.mean_square)} (1 expected), ${number(100 * t.beyond_three)} % of the pixels beyond 3σ, z of the means ${number(t.of_means)}.`));
     }
-    reference.warnings.forEach((text) => remarks.push(element("li", { class: "flag" }, text)));
+    reference.warnings.forEach((text) => remarks.push(element("li", { class: "flag" }, text.replaceAll("`", ""))));
   }
   for (const method of scene.methods) {
     if (method.split?.significant) remarks.push(element("li", {}, element("b", {}, `${method.name}: `), `differs from the reference by more than noise (bias² ${number(method.split.bias_squared)} ± ${number(method.split.bias_error, 2)}, ${method.split.renders > 1 ? `from ${method.split.renders} repeats` : "from the render's own variance"}): it is biased, or it has not found all of the light.`));
