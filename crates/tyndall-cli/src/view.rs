@@ -14,13 +14,13 @@ use tyndall_report::summary::Figure;
 /// Writes the page and opens it.
 pub(crate) fn run(args: &View) -> Result<(), Failure> {
     let reference = args.reference.as_deref().map(read).transpose()?;
-    let pictures = args.pictures.iter().map(|path| read(path)).collect::<Result<Vec<_>, _>>()?;
-    if let Some(reference) = &reference {
-        if let Some(i) = pictures.iter().position(|p| size(p) != size(reference)) {
-            let ([w, h], [rw, rh]) = (size(&pictures[i]), size(reference));
-            let path = args.pictures[i].display();
-            return Err(Failure::other(format_args!("{path} has {w}x{h} pixels, the reference {rw}x{rh}")));
-        }
+    let pictures = args.pictures.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    if let Some(reference) = &reference
+        && let Some(i) = pictures.iter().position(|p| size(p) != size(reference))
+    {
+        let ([w, h], [rw, rh]) = (size(&pictures[i]), size(reference));
+        let path = args.pictures[i].display();
+        return Err(Failure::other(format_args!("{path} has {w}x{h} pixels, the reference {rw}x{rh}")));
     }
     let mut embedded = Pictures::default();
     let names = names(&args.pictures.iter().map(|path| path.as_path()).collect::<Vec<_>>());

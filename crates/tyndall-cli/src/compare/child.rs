@@ -101,7 +101,7 @@ fn signal(_status: ExitStatus) -> String {
 /// The line that most likely says why: the first error, else the last line.
 fn last_words(said: &str) -> Option<String> {
     let lines = || said.lines().map(str::trim).filter(|line| !line.is_empty());
-    let line = lines().find(|line| line.starts_with("error:")).or_else(|| lines().last())?;
+    let line = lines().find(|line| line.starts_with("error:")).or_else(|| lines().next_back())?;
     Some(line.chars().take(400).collect())
 }
 

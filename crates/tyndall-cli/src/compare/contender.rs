@@ -72,7 +72,9 @@ impl Contender<'_> {
             renew(&folder)?;
         }
         let result = match (&self.method().kind, self.experiment.budget) {
-            (Kind::Integrator { .. }, Budget::Error(error)) => self.to_error(&folder, &mut progress, error, reference),
+            (Kind::Integrator { .. }, Budget::Error(error)) => {
+                self.up_to_error(&folder, &mut progress, error, reference)
+            }
             (Kind::Integrator { .. }, budget) => self.once(&folder, budget),
             (Kind::External(template), budget) => {
                 self.other_renderer(&folder, template, budget, samples, &mut progress, reference)
@@ -210,7 +212,7 @@ impl Contender<'_> {
     }
 
     /// Renders on and on, looking at the error whenever the time has doubled.
-    fn to_error(
+    fn up_to_error(
         &self,
         folder: &Path,
         progress: &mut Vec<Moment>,
