@@ -56,7 +56,7 @@ const insetFigure = (insets, scale) => {
   context.fillRect(0, 0, sheet.width, sheet.height);
   const paste = (entry, region, x, y, w, h, colour) => {
     const piece = element("canvas", { width: Math.max(1, Math.round(w)), height: Math.max(1, Math.round(h)) });
-    paintRegion(piece, entry, against(), state.display, state.exposure[state.scene], region);
+    painter.paintAll([{ canvas: piece, entry, reference: against(), display: displayOf(entry), exposure: state.exposure[state.scene], region }]);
     context.drawImage(piece, x, y);
     if (!colour) return;
     context.strokeStyle = colour;
@@ -93,7 +93,11 @@ const insetFigure = (insets, scale) => {
 
 const saveInsets = (insets, name) => insetFigure(insets, 2).toBlob((blob) => download(blob, `${name}.png`), "image/png");
 
+/** Without a map of FLIP there are the colours. */
+const displayOf = (entry) => (state.display === "flip" && entry.flip === null ? "colour" : state.display);
+
 let drawnInsets = "";
+let paintedInsets = "";
 const drawInsets = () => {
   const list = entries(currentScene());
   const insets = state.insets[state.scene];
@@ -117,10 +121,14 @@ const drawInsets = () => {
       return element("div", { class: "inset-row" }, tools, ...crops);
     }));
   }
-  byId("inset-rows").querySelectorAll(".inset-row").forEach((row, i) => row.querySelectorAll("figure").forEach((figure) => {
+  const shown = JSON.stringify([signature, state.display, state.exposure, state.tone, state.display === "colour" ? 0 : rangeNow(), against()?.index, list.map((e) => Boolean(pictureNow(e.picture)))]);
+  if (shown === paintedInsets) return;
+  paintedInsets = shown;
+  const rows = [...byId("inset-rows").querySelectorAll(".inset-row")];
+  painter.paintAll(rows.flatMap((row, i) => [...row.querySelectorAll("figure")].map((figure) => {
     const entry = list.find((e) => String(e.index) === figure.dataset.entry);
-    paintRegion(figure.querySelector("canvas"), entry, against(), state.display, state.exposure[state.scene], insets[i]);
-  }));
+    return { canvas: figure.querySelector("canvas"), entry, reference: against(), display: displayOf(entry), exposure: state.exposure[state.scene], region: insets[i] };
+  })));
 };
 
 const zoomTo = (inset) => {

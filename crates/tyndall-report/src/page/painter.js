@@ -108,27 +108,31 @@ const painter = (() => {
     return textures.get(index);
   };
 
+  const complete = (pane) => texturesOf(pane).every((texture) => texture !== null);
+  const texturesOf = (pane) => {
+    const compared = !["colour", "flip"].includes(pane.display);
+    return [pane.entry.picture, compared ? pane.reference.picture : pane.entry.picture, pane.display === "flip" ? pane.entry.flip : pane.entry.picture].map(textureOf);
+  };
+
   /**
-   * Draws panes into a 2D canvas of width x height device pixels. A pane: { entry, reference, x, y, width, height (in the canvas),
+   * Draws panes into the hidden canvas, width x height device pixels of it. A pane: { entry, reference, x, y, width, height (in the canvas),
    * left, top (of the picture, at the pane's corner), texels (pixels of the picture by one of the canvas), display, exposure }.
    * Answers whether all pictures were there.
    */
-  const paint = (context, width, height, panes) => {
+  const draw = (width, height, panes) => {
     if (canvas.width < width) canvas.width = width;
     if (canvas.height < height) canvas.height = height;
     gl.disable(gl.SCISSOR_TEST);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT);
     gl.enable(gl.SCISSOR_TEST);
-    let complete = true;
+    let all = true;
     for (const pane of panes) {
       const display = DISPLAYS.findIndex(([name]) => name === pane.display);
-      const wanted = [pane.entry.picture, pane.display === "colour" || pane.display === "flip" ? pane.entry.picture : pane.reference.picture,
-        pane.display === "flip" ? pane.entry.flip : pane.entry.picture];
       if (pane.display === "flip" && pane.entry.flip === null) continue;
-      const bound = wanted.map(textureOf);
+      const bound = texturesOf(pane);
       if (bound.includes(null)) {
-        complete = false;
+        all = false;
         continue;
       }
       bound.forEach((texture, unit) => {
@@ -150,16 +154,48 @@ const painter = (() => {
       gl.scissor(Math.round(pane.x), canvas.height - Math.round(pane.y + pane.height), Math.round(pane.width), Math.round(pane.height));
       gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
     }
-    context.drawImage(canvas, 0, 0, width, height, 0, 0, width, height);
-    return complete;
+    return all;
   };
-  return { paint };
-})();
 
-/** Draws a region of a picture over a whole 2D canvas. */
-const paintRegion = (canvas, entry, reference, display, exposure, region) => {
-  const context = canvas.getContext("2d");
-  context.clearRect(0, 0, canvas.width, canvas.height);
-  const pane = { entry, reference, x: 0, y: 0, width: canvas.width, height: canvas.height, left: region.x, top: region.y, texels: region.width / canvas.width, display, exposure };
-  return painter.paint(context, canvas.width, canvas.height, [pane]);
-};
+  /** Draws panes into a 2D canvas of this size. */
+  const paint = (context, width, height, panes) => {
+    const all = draw(width, height, panes);
+    context.drawImage(canvas, 0, 0, width, height, 0, 0, width, height);
+    return all;
+  };
+
+  /**
+   * Draws regions of pictures, each over a whole 2D canvas: { canvas, entry, reference, display, exposure, region }. All are drawn
+   * before any is copied, since the first copy waits for the drawing. Answers those that were complete.
+   */
+  const paintAll = (jobs) => {
+    const done = [];
+    let [x, y, height] = [0, 0, 0];
+    const WIDTH = 2048;
+    const HEIGHT = 2048;
+    const panes = [];
+    const copy = () => {
+      if (!panes.length) return;
+      draw(Math.max(...panes.map((pane) => pane.x + pane.width)), y + height, panes);
+      for (const pane of panes) {
+        const context = pane.job.canvas.getContext("2d");
+        context.clearRect(0, 0, pane.width, pane.height);
+        context.drawImage(canvas, pane.x, pane.y, pane.width, pane.height, 0, 0, pane.width, pane.height);
+      }
+      panes.length = 0;
+      [x, y, height] = [0, 0, 0];
+    };
+    for (const job of jobs) {
+      if (!complete(job)) continue;
+      const [w, h] = [job.canvas.width, job.canvas.height];
+      if (x > 0 && x + w > WIDTH) [x, y, height] = [0, y + height, 0];
+      if (y > 0 && y + h > HEIGHT) copy();
+      panes.push({ ...job, job, x, y, width: w, height: h, left: job.region.x, top: job.region.y, texels: job.region.width / w });
+      [x, height] = [x + w, Math.max(height, h)];
+      done.push(job);
+    }
+    copy();
+    return done;
+  };
+  return { paint, paintAll };
+})();

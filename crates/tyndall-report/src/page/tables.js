@@ -45,21 +45,22 @@ const buildGrid = () => {
   grid.append(body);
 };
 
-let drawnThumbs = "";
 const drawGrid = () => {
-  const signature = JSON.stringify([state.exposure, state.tone, state.display, state.display === "colour" ? 0 : rangeNow(), state.b, decoded.size, [...decoded.values()].filter((p) => p.values).length]);
+  const range = state.display === "colour" ? 0 : rangeNow();
   for (const { scene, entry, button } of thumbs) {
     const here = scene === state.scene;
     button.setAttribute("aria-current", here && entry.index === state.a);
     button.classList.toggle("second", here && entry.index === state.b && state.mode !== "tiles" && entry.index !== state.a);
   }
-  if (signature === drawnThumbs) return;
-  drawnThumbs = signature;
-  for (const { scene, entry, thumb } of thumbs) {
-    const { width, height } = report.scenes[scene];
-    const reference = entries(report.scenes[scene]).find((e) => e.index === REFERENCE) ?? entry;
-    paintRegion(thumb, entry, reference, state.display === "flip" && entry.flip === null ? "colour" : state.display, state.exposure[scene], { x: 0, y: 0, width, height });
-  }
+  const jobs = thumbs.map((item) => {
+    const { width, height } = report.scenes[item.scene];
+    const reference = entries(report.scenes[item.scene]).find((e) => e.index === REFERENCE) ?? item.entry;
+    const [display, exposure] = [displayOf(item.entry), state.exposure[item.scene]];
+    const signature = `${exposure} ${state.tone} ${display} ${range}`;
+    return { canvas: item.thumb, entry: item.entry, reference, display, exposure, region: { x: 0, y: 0, width, height }, item, signature };
+  });
+  // Each only when what it shows has changed.
+  for (const job of painter.paintAll(jobs.filter((job) => job.item.drawn !== job.signature))) job.item.drawn = job.signature;
 };
 
 const MAIN_COLUMNS = ["relmse", "robust_relmse", "flip", "hdr_flip", "seconds", "efficiency", "samples", "memory"];
