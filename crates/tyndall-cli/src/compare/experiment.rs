@@ -51,6 +51,8 @@ pub(crate) struct SceneEntry {
     pub(crate) path: PathBuf,
     pub(crate) define: Vec<(String, String)>,
     pub(crate) reference: ReferenceChoice,
+    /// Of an automatic reference, if not that of the experiment.
+    pub(crate) reference_method: Option<&'static IntegratorInfo>,
     pub(crate) insets: Vec<[u32; 4]>,
 }
 
@@ -116,7 +118,14 @@ impl Experiment {
             let define = args.define.clone();
             let name = args.source.file_stem().unwrap_or("scene".as_ref()).to_string_lossy().into_owned();
             let path = args.source.clone();
-            given.scenes.push(SceneEntry { name, path, define, reference: ReferenceChoice::Auto, insets: Vec::new() });
+            given.scenes.push(SceneEntry {
+                name,
+                path,
+                define,
+                reference: ReferenceChoice::Auto,
+                reference_method: None,
+                insets: Vec::new(),
+            });
         } else if !args.define.is_empty() {
             given.scenes.iter_mut().for_each(|scene| scene.define.extend(args.define.iter().cloned()));
         }

@@ -56,11 +56,12 @@ struct Document {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
 struct SceneTable {
     path: PathBuf,
     name: Option<String>,
     reference: Option<String>,
+    reference_method: Option<Spanned<String>>,
     #[serde(default)]
     define: BTreeMap<String, Value>,
     #[serde(default)]
@@ -193,6 +194,7 @@ fn parse(path: &Path, text: &str) -> Result<Given, Failure> {
             path: folder.join(&table.path),
             define: define.into_iter().map(|(name, value)| (name, value.text())).collect(),
             reference: ReferenceChoice::new(reference, folder),
+            reference_method: table.reference_method.as_ref().map(|name| source.integrator(name)).transpose()?,
             insets: table.insets.into_iter().map(Spanned::into_inner).collect(),
         })
     };

@@ -56,7 +56,7 @@ impl Subject {
         }
         let path = std::path::absolute(&entry.path)
             .map_err(|error| Failure::other(format_args!("{}: {error}", entry.path.display())))?;
-        let (name, reference_note) = match experiment.reference_method {
+        let (name, reference_note) = match entry.reference_method.or(experiment.reference_method) {
             Some(info) => (info.name, None),
             None => usual_reference(&loaded.scene)?,
         };

@@ -33,7 +33,7 @@ const short = (x) => {
   for (const [scale, prefix] of [[1e12, "T"], [1e9, "G"], [1e6, "M"], [1e3, "k"]]) {
     if (Math.abs(x) >= scale) return `${number(x / scale)} ${prefix}`;
   }
-  return number(x);
+  return Number.isInteger(x) ? String(x) : number(x);
 };
 
 /** A figure with the unit of its quantity. */

@@ -1,8 +1,11 @@
 // The overview, the figures, the remarks and the commands.
 
 const thumbs = [];
-/** Device width of a thumbnail, CSS pixels. */
-const THUMB = 190;
+/** Width of a thumbnail, CSS pixels: all methods side by side if they can be. */
+const thumbWidth = (columns) => {
+  const room = byId("overview").clientWidth - (report.scenes.length > 1 ? 110 : 0);
+  return innerWidth < 640 ? 128 : clamp(Math.floor(room / columns) - 14, 120, 260);
+};
 
 const buildGrid = () => {
   const grid = byId("grid");
@@ -11,7 +14,7 @@ const buildGrid = () => {
   const many = report.scenes.length > 1;
   const measured = report.scenes.some((scene) => scene.reference);
   const ratio = window.devicePixelRatio || 1;
-  const width = innerWidth < 640 ? 128 : THUMB;
+  const width = thumbWidth(names.length);
   grid.replaceChildren();
   if (measured || many) grid.append(element("thead", {}, element("tr", {}, many ? element("th", {}) : null, ...names.map((name) => element("th", { scope: "col" }, name)))));
   const body = element("tbody", {});
