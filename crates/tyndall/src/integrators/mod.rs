@@ -8,6 +8,7 @@ mod photon_mapping;
 pub mod volpath;
 
 use crate::Spectrum;
+use crate::film::Splats;
 use crate::film::pixels::{PixelSum, Tile};
 use crate::math::{Sampler, Vec2};
 use crate::photons::TraceError;
@@ -46,8 +47,14 @@ pub trait Integrator: Send + Sync {
         Ok(u32::MAX)
     }
 
-    /// Adds the job's passes to the tile's pixels. The result depends on the job alone.
-    fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum]) -> RareEvents;
+    /// Whether it adds light to pixels anywhere. Its passes are then rendered one by one.
+    fn splats(&self) -> bool {
+        false
+    }
+
+    /// Adds the job's passes to the tile's pixels, and to `splats` what belongs to any pixel. The result depends on the
+    /// job alone.
+    fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum], splats: &mut Splats) -> RareEvents;
 }
 
 /// An entry of the registry.

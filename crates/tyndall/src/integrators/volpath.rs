@@ -15,6 +15,7 @@ use super::{Integrator, IntegratorInfo, Job, ParameterInfo, RareEvents, path, sa
 use crate::Spectrum;
 use crate::estimators::equiangular::Equiangular;
 use crate::estimators::transport::{Response, connect, departure, respond, samples_emitters};
+use crate::film::Splats;
 use crate::film::pixels::PixelSum;
 use crate::math::{PerLength, PerSolidAngle, Ray, Sampler, Vec2, Vec3};
 use crate::scene::Scene;
@@ -158,7 +159,7 @@ impl Integrator for Volpath {
         }
     }
 
-    fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum]) -> RareEvents {
+    fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum], _: &mut Splats) -> RareEvents {
         sample_pixels(scene, job, pixels, |position, sampler| self.radiance(scene, position, sampler))
     }
 }

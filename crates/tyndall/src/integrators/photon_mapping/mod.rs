@@ -12,6 +12,7 @@ use self::camera::Gatherer;
 use self::options::{Estimator, Options, Selection};
 use super::{Integrator, Job, RareEvents, sample_pixels};
 use crate::accel::{KdTree, Neighbours};
+use crate::film::Splats;
 use crate::film::pixels::PixelSum;
 use crate::math::Vec3;
 use crate::photons::radii::{adapt, beam_radius, usual_distance};
@@ -222,7 +223,7 @@ impl Integrator for PhotonMapping {
         Ok(serves)
     }
 
-    fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum]) -> RareEvents {
+    fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum], _: &mut Splats) -> RareEvents {
         let mut scratch = Scratch::default();
         sample_pixels(scene, job, pixels, |position, sampler| {
             Gatherer::radiance(self, scene, &mut scratch, position, sampler)
