@@ -85,6 +85,12 @@ impl FilterSampler {
         Ok(Self { profile, filter, radius: radius as f32, integral })
     }
 
+    /// Half its width, pixels.
+    #[inline]
+    pub fn radius(&self) -> f32 {
+        self.radius
+    }
+
     /// The filter along one axis at `offset` from the pixel's centre, 1/pixel; it integrates to one.
     #[inline]
     pub fn value(&self, offset: f32) -> f32 {

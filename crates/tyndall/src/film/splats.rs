@@ -42,6 +42,15 @@ impl<'a> Splats<'a> {
         Self { screen, list: Vec::new(), non_finite: 0 }
     }
 
+    /// Whether a position of the whole film, in pixels, shows in the rendered part.
+    #[inline]
+    pub fn shows(&self, position: Vec2) -> bool {
+        let Screen { filter, origin, size } = self.screen;
+        let low = Vec2::new(origin.0 as f32, origin.1 as f32) + Vec2::splat(0.5 - filter.radius());
+        let high = low + Vec2::new(size.0 as f32, size.1 as f32) + Vec2::splat(2.0 * filter.radius() - 1.0);
+        position.cmpge(low).all() && position.cmple(high).all()
+    }
+
     /// Adds `value` at a `position` of the whole film, in pixels. One of the pixels whose filter takes the position in is
     /// chosen with `u` in [0, 1)^2.
     #[inline]
@@ -52,9 +61,8 @@ impl<'a> Splats<'a> {
         }
         let (x, weight_x) = self.screen.filter.choose_pixel(position.x, u.x);
         let (y, weight_y) = self.screen.filter.choose_pixel(position.y, u.y);
-        let inside = |at: i64, origin: u32, size: u32| {
-            u32::try_from(at - i64::from(origin)).ok().filter(|&at| at < size)
-        };
+        let inside =
+            |at: i64, origin: u32, size: u32| u32::try_from(at - i64::from(origin)).ok().filter(|&at| at < size);
         let Screen { origin, size, .. } = self.screen;
         let (Some(x), Some(y)) = (inside(x, origin.0, size.0), inside(y, origin.1, size.1)) else { return };
         let pixel = Pixels::index(size, x, y) as u32;
@@ -134,9 +142,11 @@ mod tests {
     /// The mean of a function of the camera's samples equals the integral over the film with the filter's values.
     #[test]
     fn the_filter_integrates_to_one() {
-        for filter in
-            [ReconstructionFilter::Lanczos { lobes: 3 }, ReconstructionFilter::default(), ReconstructionFilter::CatmullRom]
-        {
+        for filter in [
+            ReconstructionFilter::Lanczos { lobes: 3 },
+            ReconstructionFilter::default(),
+            ReconstructionFilter::CatmullRom,
+        ] {
             let sampler = FilterSampler::new(filter).unwrap();
             let n = 8000;
             let sum: f64 = (0..n).map(|i| f64::from(sampler.value((i as f32 + 0.5) * 8.0 / n as f32 - 4.0))).sum();

@@ -1,5 +1,6 @@
 //! Named algorithms: the one registry.
 
+mod bidirectional;
 pub mod components;
 mod composite;
 pub mod parameters;
@@ -94,6 +95,8 @@ pub static REGISTRY: &[IntegratorInfo] = &[
     registry::PVPM,
     registry::PBRE,
     registry::PPB,
+    bidirectional::registry::PTRACER,
+    bidirectional::registry::BDPT,
     composite::INFO,
 ];
 
@@ -111,14 +114,24 @@ pub fn make(desc: &IntegratorDesc) -> Result<Box<dyn Integrator>, ParameterError
     (info.make)(&Parameters::new(info.name, info.parameters, desc)?)
 }
 
-/// Adds one sample of `radiance` per pass to every pixel of the tile: its argument is a position on the whole film, in
-/// pixels.
+/// A sample of a pixel.
+#[derive(Clone, Copy, Debug)]
+struct Sample {
+    /// Position on the whole film, pixels.
+    film: Vec2,
+    /// Index of the pixel on the whole film, row by row.
+    pixel: u64,
+    /// The pass.
+    pass: u32,
+}
+
+/// Adds one sample of `radiance` per pass to every pixel of the tile.
 #[inline(always)]
 fn sample_pixels(
     scene: &Scene,
     job: &Job,
     pixels: &mut [PixelSum],
-    mut radiance: impl FnMut(Vec2, &mut Sampler) -> Spectrum,
+    mut radiance: impl FnMut(Sample, &mut Sampler) -> Spectrum,
 ) -> RareEvents {
     let mut rare = RareEvents::default();
     let (crop_x, crop_y) = scene.crop_origin();
@@ -128,10 +141,11 @@ fn sample_pixels(
         let y = crop_y + job.tile.y + i as u32 / job.tile.width;
         for pass in job.passes.clone() {
             // Keyed by the pixel of the whole film: a crop shows the same samples.
-            let mut sampler = Sampler::new(job.seed, u64::from(y) * width + u64::from(x), pass);
+            let pixel = u64::from(y) * width + u64::from(x);
+            let mut sampler = Sampler::new(job.seed, pixel, pass);
             let (offset, weight) = scene.filter.sample(sampler.vec2());
-            let position = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + offset;
-            let radiance = weight * radiance(position, &mut sampler);
+            let film = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + offset;
+            let radiance = weight * radiance(Sample { film, pixel, pass }, &mut sampler);
             if radiance.is_finite() {
                 sum.add(radiance);
             } else {

@@ -127,6 +127,16 @@ impl Options {
         })
     }
 
+    /// Emitters seen directly.
+    pub(super) fn emitted(hide_emitters: bool) -> Self {
+        Self {
+            rules: Rules { max_depth: 1, rr_depth: 5, rr_cap: RR_CAP, media: Media::Scatter },
+            hide_emitters,
+            equiangular_legs: 0,
+            components: Components::ALL,
+        }
+    }
+
     /// Direct light of surfaces.
     pub(super) fn direct(parameters: &Parameters) -> Self {
         Self {
@@ -160,14 +170,14 @@ impl Integrator for Volpath {
     }
 
     fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum], _: &mut Splats) -> RareEvents {
-        sample_pixels(scene, job, pixels, |position, sampler| self.radiance(scene, position, sampler))
+        sample_pixels(scene, job, pixels, |sample, sampler| self.radiance(scene, sample.film, sampler))
     }
 }
 
 impl Volpath {
     /// Radiance arriving at the film position (pixels of the whole film), one sample.
     #[inline]
-    fn radiance(&self, scene: &Scene, film: Vec2, sampler: &mut Sampler) -> Spectrum {
+    pub(super) fn radiance(&self, scene: &Scene, film: Vec2, sampler: &mut Sampler) -> Spectrum {
         let camera = scene.sensor.sample_ray(film, sampler.vec2());
         let mut tracer = Tracer {
             scene,

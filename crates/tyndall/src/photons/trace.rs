@@ -178,7 +178,7 @@ fn trace_path(scene: &Scene, tracing: &Tracing, path: u32, data: &mut Data) {
     let Some(emission) = scene.sample_emission(choice, u_position, u_direction) else { return };
     let footprint =
         if tracing.footprints { Footprint::emitted(&emission, tracing.paths) } else { Footprint::default() };
-    let start = Start { ray: emission.ray, length: f32::INFINITY, medium: emission.medium, throughput: emission.flux };
+    let start = Start::emitted(&emission);
     let mut deposit =
         Deposit { scene, tracing, data, origin: Origin::Direct, bent: false, footprint, anchor: start.ray.origin };
     walk::<FromLight, _>(scene, start, &tracing.rules, &mut sampler, &mut deposit);

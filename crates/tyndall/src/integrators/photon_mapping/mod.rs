@@ -225,8 +225,8 @@ impl Integrator for PhotonMapping {
 
     fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum], _: &mut Splats) -> RareEvents {
         let mut scratch = Scratch::default();
-        sample_pixels(scene, job, pixels, |position, sampler| {
-            Gatherer::radiance(self, scene, &mut scratch, position, sampler)
+        sample_pixels(scene, job, pixels, |sample, sampler| {
+            Gatherer::radiance(self, scene, &mut scratch, sample.film, sampler)
         })
     }
 }

@@ -1,0 +1,8 @@
+//! Bidirectional methods: against closed forms and against path tracing.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod closed_forms;
+mod reciprocity;
+mod weights;
