@@ -2,7 +2,7 @@
 
 use super::transport::{SHORT_OF, Turn, departure, turn};
 use crate::Spectrum;
-use crate::math::{Ray, Rng, Vec2, Vec3};
+use crate::math::{Frame, Ray, Rng, Vec2, Vec3};
 use crate::scene::Scene;
 use crate::scene::sensor::{Projection, RayDensity};
 use crate::walk::{Edge, FromCamera, FromLight, Vertex, edge_passage};
@@ -12,7 +12,7 @@ use crate::walk::{Edge, FromCamera, FromLight, Vertex, edge_passage};
 pub struct Join {
     /// Unit direction of light's travel.
     pub direction: Vec3,
-    /// One over the squared distance, 1/m^2.
+    /// One over the squared distance, or over the area that stands for it, 1/m^2.
     pub spread: f32,
     /// The turn of light's walk.
     pub light: Turn,
@@ -28,18 +28,50 @@ pub struct Join {
 /// Joins `light` and `camera`; `None` when nothing gets from one to the other.
 #[inline]
 pub fn join(scene: &Scene, light: &Vertex, camera: &Vertex, rng: &mut Rng) -> Option<Join> {
-    let way = camera.position - light.position;
-    let distance2 = way.length_squared();
+    let distance2 = camera.position.distance_squared(light.position);
     if !(distance2 > 0.0) {
         return None;
     }
-    let direction = way / distance2.sqrt();
-    let at_camera = turn::<FromCamera>(scene, camera, -direction);
+    let direction = (camera.position - light.position) / distance2.sqrt();
+    join_along(scene, light, camera, [direction; 2], 1.0 / distance2, rng)
+}
+
+/// Joins `camera` with light that comes from all of a ball of that radius around `light`, seen along a direction that `u`
+/// chooses within the ball's cone; the half space when it stands in the ball (Novak et al. 2012b; Hasan et al. 2009).
+#[inline]
+pub fn join_ball(scene: &Scene, light: &Vertex, camera: &Vertex, radius: f32, u: Vec2, rng: &mut Rng) -> Option<Join> {
+    let distance2 = camera.position.distance_squared(light.position);
+    if !(distance2 > 0.0) {
+        return None;
+    }
+    let direction = (camera.position - light.position) / distance2.sqrt();
+    let sin2 = (radius * radius / distance2).min(1.0);
+    let cos_cone = (1.0 - sin2).sqrt();
+    // One minus the cosine, without cancellation.
+    let cap = sin2 / (1.0 + cos_cone);
+    let cos = 1.0 - u.x * cap;
+    let sin = (u.x * cap * (1.0 + cos)).sqrt();
+    let (y, x) = (std::f32::consts::TAU * u.y).sin_cos();
+    let along = Frame::from_normal(direction).to_world(Vec3::new(sin * x, sin * y, cos));
+    join_along(scene, light, camera, [direction, along], 2.0 * cap / (radius * radius), rng)
+}
+
+/// Light goes along `direction` and turns as if along `turning`, and is spread by `spread`, 1/m^2.
+#[inline(always)]
+fn join_along(
+    scene: &Scene,
+    light: &Vertex,
+    camera: &Vertex,
+    [direction, turning]: [Vec3; 2],
+    spread: f32,
+    rng: &mut Rng,
+) -> Option<Join> {
+    let at_camera = turn::<FromCamera>(scene, camera, -turning);
     if at_camera.value.is_black() {
         return None;
     }
-    let at_light = turn::<FromLight>(scene, light, direction);
-    let value = at_light.value * at_camera.value * (1.0 / distance2);
+    let at_light = turn::<FromLight>(scene, light, turning);
+    let value = at_light.value * at_camera.value * spread;
     if value.is_black() {
         return None;
     }
@@ -48,7 +80,7 @@ pub fn join(scene: &Scene, light: &Vertex, camera: &Vertex, rng: &mut Rng) -> Op
     let length = from.distance(to) * SHORT_OF;
     let (transmittance, edge) = edge_passage(scene, Ray::between(from, to), length, medium, rng)?;
     let value = value * transmittance;
-    Some(Join { direction, spread: 1.0 / distance2, light: at_light, camera: at_camera, edge, value })
+    Some(Join { direction, spread, light: at_light, camera: at_camera, edge, value })
 }
 
 /// A vertex of light's walk as the camera sees it.

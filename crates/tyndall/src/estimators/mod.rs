@@ -10,6 +10,7 @@ pub mod equiangular;
 pub mod gather;
 pub mod merge;
 pub mod query;
+pub mod ray_pair;
 pub mod transport;
 
 pub use gather::gather;

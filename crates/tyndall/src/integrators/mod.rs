@@ -6,6 +6,7 @@ mod composite;
 pub mod parameters;
 pub mod path;
 mod photon_mapping;
+mod virtual_lights;
 pub mod volpath;
 
 use crate::Spectrum;
@@ -97,6 +98,9 @@ pub static REGISTRY: &[IntegratorInfo] = &[
     registry::PPB,
     bidirectional::registry::PTRACER,
     bidirectional::registry::BDPT,
+    virtual_lights::registry::VPL,
+    virtual_lights::registry::VRL,
+    virtual_lights::registry::VBL,
     composite::INFO,
 ];
 

@@ -32,6 +32,8 @@ pub struct Wanted {
     pub beams: bool,
     /// Planes.
     pub planes: bool,
+    /// Vertices as the walk had them, in media and on surfaces that have more than delta scattering: to be connected with.
+    pub vertices: [bool; 2],
 }
 
 /// What to trace.
@@ -96,6 +98,8 @@ pub struct LightPaths {
     pub beams: Vec<Beam>,
     /// Planes.
     pub planes: Vec<Plane>,
+    /// Vertices.
+    pub vertices: Vec<Vertex>,
     chunks: Vec<Data>,
 }
 
@@ -106,6 +110,7 @@ struct Data {
     surfaces: Vec<Photon>,
     beams: Vec<Beam>,
     planes: Vec<Plane>,
+    vertices: Vec<Vertex>,
     profile: Profile,
 }
 
@@ -115,12 +120,14 @@ impl Data {
         self.surfaces.clear();
         self.beams.clear();
         self.planes.clear();
+        self.vertices.clear();
     }
 
     fn bytes(&self) -> usize {
         (self.points.len() + self.surfaces.len()) * BYTES[0]
             + self.beams.len() * BYTES[1]
             + self.planes.len() * BYTES[2]
+            + self.vertices.len() * 2 * size_of::<Vertex>()
     }
 }
 
@@ -152,6 +159,7 @@ impl LightPaths {
         concatenate(&mut self.surfaces, &mut self.chunks, |data| &mut data.surfaces);
         concatenate(&mut self.beams, &mut self.chunks, |data| &mut data.beams);
         concatenate(&mut self.planes, &mut self.chunks, |data| &mut data.planes);
+        concatenate(&mut self.vertices, &mut self.chunks, |data| &mut data.vertices);
         Ok(())
     }
 }
@@ -248,6 +256,14 @@ impl Sink for Deposit<'_> {
 
     fn vertex(&mut self, vertex: &Vertex, _sampler: &mut Sampler) {
         self.travel_to(vertex.position);
+        let [in_media, on_surfaces] = self.tracing.wanted.vertices;
+        let connects = match &vertex.scattering {
+            Scattering::Medium { .. } => in_media,
+            Scattering::Surface { point, .. } => on_surfaces && self.scene.is_smooth(point.shape),
+        };
+        if connects {
+            self.data.vertices.push(*vertex);
+        }
         match &vertex.scattering {
             Scattering::Medium { medium } if self.tracing.wanted.points => {
                 let tag = Tag::new(Some(*medium), vertex.scatterings, self.origin);

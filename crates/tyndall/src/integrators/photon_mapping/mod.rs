@@ -8,6 +8,8 @@ mod camera;
 mod options;
 pub mod registry;
 
+pub(super) use self::options::declared;
+
 use self::camera::Gatherer;
 use self::options::{Estimator, Options, Selection};
 use super::{Integrator, Job, RareEvents, sample_pixels};
@@ -107,6 +109,7 @@ impl PhotonMapping {
                 surfaces: self.options.gathers_on_surfaces(),
                 beams: estimator.is_some_and(Estimator::uses_beams),
                 planes: estimator == Some(Estimator::BeamPlane0D),
+                vertices: [false; 2],
             },
             memory: self.options.memory,
         }
