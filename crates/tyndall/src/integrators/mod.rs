@@ -6,6 +6,7 @@ mod composite;
 pub mod parameters;
 pub mod path;
 mod photon_mapping;
+mod shrinking;
 pub mod volpath;
 
 use crate::Spectrum;
@@ -97,6 +98,8 @@ pub static REGISTRY: &[IntegratorInfo] = &[
     registry::PPB,
     bidirectional::registry::PTRACER,
     bidirectional::registry::BDPT,
+    bidirectional::registry::VCM,
+    bidirectional::registry::UPBP,
     composite::INFO,
 ];
 

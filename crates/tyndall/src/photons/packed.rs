@@ -67,6 +67,13 @@ impl Tag {
         self.0 & NO_MEDIUM == medium.0 as u32
     }
 
+    /// The medium in which it lies; `None` on surfaces.
+    #[inline]
+    pub fn medium(self) -> Option<MediumId> {
+        let medium = self.0 & NO_MEDIUM;
+        (medium != NO_MEDIUM).then_some(MediumId(medium as usize))
+    }
+
     /// Scatterings since the emitter.
     #[inline(always)]
     pub fn scatterings(self) -> u32 {
