@@ -322,7 +322,7 @@ impl Sink for Deposit<'_> {
             }
         }
         // Beyond, nothing can be kept.
-        vertex.scatterings + 3 <= self.tracing.rules.max_depth
+        vertex.scatterings + 3 <= self.tracing.rules.max_depth && self.data.bytes() <= self.tracing.memory
     }
 }
 

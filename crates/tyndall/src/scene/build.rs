@@ -119,10 +119,12 @@ impl Scene {
             attachments,
             emission_media: Vec::new(),
             bsdfs,
+            bounded: Vec::new(),
             media,
             lights,
         };
         scene.find_camera_medium(desc);
+        scene.find_bounded_media();
         scene.find_emission_media(desc);
         Ok(scene)
     }
@@ -181,6 +183,18 @@ impl Scene {
             }
         };
         self.emission_media = self.lights.emitters().iter().zip(named).map(medium).collect();
+    }
+
+    /// A medium inside of shapes and around none is bounded, unless the camera stands in it where no boundary is around.
+    fn find_bounded_media(&mut self) {
+        let is_bounded = |medium: MediumId| {
+            let inside = |a: &Attachments| a.interior == Some(medium);
+            let outside = |a: &Attachments| a.exterior == Some(medium);
+            self.attachments.iter().any(inside)
+                && !self.attachments.iter().any(outside)
+                && (self.camera_medium != Some(medium) || self.medium_at(self.sensor.position()) == Some(medium))
+        };
+        self.bounded = (0..self.media.len()).map(|i| is_bounded(MediumId(i))).collect();
     }
 
     /// Files rarely say that the camera stands in a medium.

@@ -45,6 +45,8 @@ pub struct Scene {
     /// The integrator that the scene asks for.
     pub integrator: IntegratorDesc,
     media: Vec<Medium>,
+    /// By medium.
+    bounded: Vec<bool>,
     attachments: Vec<Attachments>,
     /// By emitter, the medium in which its light starts; empty without media.
     emission_media: Vec<Option<MediumId>>,
@@ -133,6 +135,12 @@ impl Scene {
     pub fn is_boundary(&self, shape: u32) -> bool {
         let attached = self.attached(shape);
         attached.interior.is_some() || attached.exterior.is_some()
+    }
+
+    /// Whether the medium ends somewhere in all directions, as far as can be told: then nothing inside of it sees infinity.
+    #[inline(always)]
+    pub fn is_bounded(&self, medium: MediumId) -> bool {
+        self.bounded[medium.0]
     }
 
     /// The medium that light enters when it leaves `point` along `direction`: that of the side, where the shape bounds

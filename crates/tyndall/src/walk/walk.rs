@@ -52,6 +52,11 @@ impl Mode for FromLight {
     const TRANSPORT: Transport = Transport::Importance;
 }
 
+/// Scatterings after which ...
+pub const LONG: u32 = 10_000;
+/// ... the roulette ends a walk wherever it is.
+pub const LONG_CAP: f32 = 0.99;
+
 /// What media do to a walk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Media {
@@ -81,7 +86,8 @@ pub struct Rules {
 ///
 /// A *leg* leads from one vertex to the next through any number of index-matched boundaries, which change the medium and
 /// nothing else. Russian roulette survives with probability `min(max(throughput) eta^2, rr_cap)`, the throughput counted
-/// in units of the first one and `eta` only for radiance, whose value refraction changes without loss.
+/// in units of the first one and `eta` only for radiance, whose value refraction changes without loss. Beyond [`LONG`]
+/// scatterings it survives with probability [`LONG_CAP`] at most, so that walks end even where nothing absorbs.
 #[inline]
 pub fn walk<M: Mode, S: Sink>(scene: &Scene, start: Start, rules: &Rules, sampler: &mut Sampler, sink: &mut S) {
     let mut ray = start.ray;
@@ -98,6 +104,10 @@ pub fn walk<M: Mode, S: Sink>(scene: &Scene, start: Start, rules: &Rules, sample
         let vertex = loop {
             let hit = scene.geometry.intersect(&ray, reach);
             let length = hit.as_ref().map_or(reach, |hit| hit.t);
+            if hit.is_none() && reach == f32::INFINITY {
+                // A collision so close to a boundary that it was rounded to the other side has left the medium.
+                medium = medium.filter(|inside| !scene.is_bounded(*inside));
+            }
             if let Some(inside) = medium {
                 let flight = match rules.media {
                     Media::Attenuate => attenuate(scene, inside, &ray, length, sampler),
@@ -185,8 +195,9 @@ pub fn walk<M: Mode, S: Sink>(scene: &Scene, start: Start, rules: &Rules, sample
             eta *= scattered.eta;
         }
         scatterings += 1;
-        if scatterings > rules.rr_depth {
-            let survival = (throughput.max_channel() / unit * eta * eta).min(rules.rr_cap);
+        if scatterings > rules.rr_depth.min(LONG) {
+            let cap = if scatterings > LONG { rules.rr_cap.min(LONG_CAP) } else { rules.rr_cap };
+            let survival = (throughput.max_channel() / unit * eta * eta).min(cap);
             if sampler.f32() >= survival {
                 return;
             }

@@ -107,13 +107,14 @@ impl PhotonMapping {
                 })
             };
             if volume == 0.0 {
-                volume = match beam_radius(&self.paths.beams, more as f32, USUAL_BEAMS) {
-                    Some(radius) => radius,
-                    None => usual(&self.paths.points, 3.0),
-                };
+                volume = self.options.blur
+                    * match beam_radius(&self.paths.beams, more as f32, USUAL_BEAMS) {
+                        Some(radius) => radius,
+                        None => usual(&self.paths.points, 3.0),
+                    };
             }
             if surface == 0.0 {
-                surface = usual(&self.paths.surfaces, 2.0);
+                surface = self.options.blur * usual(&self.paths.surfaces, 2.0);
             }
         }
         self.radii = Some((volume, surface));

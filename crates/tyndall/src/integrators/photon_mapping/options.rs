@@ -103,6 +103,8 @@ pub(in crate::integrators) struct Options {
     /// First radii, metres; 0 for automatic ones.
     pub(super) radius: f32,
     pub(super) surface_radius: f32,
+    /// Factor of automatic radii.
+    pub(super) blur: f32,
     pub(super) selection: Selection,
     pub(super) extent: Extent,
     /// Overlap of beams whose width follows from their neighbours' (photon differentials); 0 for the same width.
@@ -146,6 +148,8 @@ pub(super) mod declared {
         "m",
         "Radius of the blur on surfaces; 0 follows from the density of the light.",
     );
+    pub(in super::super) const BLUR: ParameterInfo =
+        parameter("blur", Float, "1", "", "Factor of the radii that follow from the density of the light.");
     pub(in super::super) const KERNEL: ParameterInfo = parameter(
         "kernel",
         Choice(&["constant", "epanechnikov", "biweight"]),
@@ -236,6 +240,7 @@ impl Options {
             kernel: Kernel::NAMES.iter().find(|(name, _)| *name == kernel).map_or(Kernel::Epanechnikov, |(_, k)| *k),
             radius: parameters.number("radius", |r| r >= 0.0, positive_or_zero)?,
             surface_radius: parameters.number("surface_radius", |r| r >= 0.0, positive_or_zero)?,
+            blur: parameters.number("blur", |b| b > 0.0, "a number above 0")?,
             selection: match neighbours {
                 0 => Selection::Fixed,
                 k if estimator == Some(Estimator::PointPoint3D) => Selection::Nearest(k),

@@ -1,8 +1,8 @@
 //! The names of the family.
 
 use super::options::declared::{
-    ABSORPTION, ALPHA, EXTENT, FINAL_GATHER, FOOTPRINT, JITTER, KERNEL, MEMORY, RADIUS, REUSE, STEPS, SURFACE_RADIUS,
-    estimator, neighbours, photons,
+    ABSORPTION, ALPHA, BLUR, EXTENT, FINAL_GATHER, FOOTPRINT, JITTER, KERNEL, MEMORY, RADIUS, REUSE, STEPS,
+    SURFACE_RADIUS, estimator, neighbours, photons,
 };
 use super::{Estimator, Options, PhotonMapping};
 use crate::integrators::components::Components;
@@ -20,7 +20,7 @@ macro_rules! entry {
             source: $source,
             parameters: {
                 const PARAMETERS: &[ParameterInfo] = &[
-                    photons($photons), $($parameter,)* RADIUS, SURFACE_RADIUS, KERNEL, ABSORPTION,
+                    photons($photons), $($parameter,)* RADIUS, SURFACE_RADIUS, BLUR, KERNEL, ABSORPTION,
                     Components::PARAMETER, MAX_DEPTH, HIDE_EMITTERS, MEMORY,
                 ];
                 PARAMETERS

@@ -1,0 +1,65 @@
+//! Walks end, whatever the scene.
+
+mod common;
+
+use tyndall::Spectrum;
+use tyndall::math::{Ray, Sampler, Vec3};
+use tyndall::scene::desc::MediumId;
+use tyndall::walk::{Escape, FromLight, Media, Rules, Sink, Start, Vertex, walk};
+use tyndall_testkit::corpus::{Furnace, furnace, furnace_room};
+
+/// Counts.
+#[derive(Default)]
+struct Seen {
+    vertices: u32,
+    escaped: Option<Spectrum>,
+}
+
+impl Sink for Seen {
+    fn vertex(&mut self, _vertex: &Vertex, _sampler: &mut Sampler) {
+        self.vertices += 1;
+    }
+    fn escape(&mut self, escape: &Escape) {
+        self.escaped = Some(escape.throughput);
+    }
+}
+
+/// Light as photons have it, absorption analogue.
+const ANALOGUE: Rules = Rules { max_depth: u32::MAX, rr_depth: 0, rr_cap: 1.0, media: Media::Scatter };
+
+fn start(origin: Vec3, direction: Vec3) -> Start {
+    let medium = Some(MediumId(0));
+    Start { ray: Ray { origin, direction }, length: f32::INFINITY, medium, throughput: Spectrum::ONE }
+}
+
+/// The box of the furnace reaches to 1. A collision behind its face came there by rounding.
+#[test]
+fn light_that_slipped_out_of_a_medium_goes_away() {
+    let scene = common::scene(&furnace("isotropic", Furnace::default()), true);
+    assert!(scene.is_bounded(MediumId(0)));
+    let mut seen = Seen::default();
+    let out = start(Vec3::new(0.0, 1.0 + 1e-6, 0.0), Vec3::Y);
+    walk::<FromLight, _>(&scene, out, &ANALOGUE, &mut Sampler::new(1, 2, 3), &mut seen);
+    assert_eq!((seen.vertices, seen.escaped), (0, Some(Spectrum::ONE)));
+}
+
+/// Fog without bounds scatters on: the furnace with a lens has it around the lens, so it may reach anywhere.
+#[test]
+fn light_in_endless_fog_is_scattered_until_roulette_ends_it() {
+    let scene = common::scene(&furnace("lens", Furnace { lens: true, ..Furnace::default() }), true);
+    assert!(!scene.is_bounded(MediumId(0)));
+    let mut seen = Seen::default();
+    let out = start(Vec3::new(0.0, 2.0, 0.0), Vec3::Y);
+    walk::<FromLight, _>(&scene, out, &ANALOGUE, &mut Sampler::new(1, 2, 3), &mut seen);
+    assert!((10_000..20_000).contains(&seen.vertices), "{}", seen.vertices);
+}
+
+/// A room that absorbs nothing.
+#[test]
+fn light_in_a_white_room_ends() {
+    let scene = common::scene(&furnace_room(1.0), true);
+    let mut seen = Seen::default();
+    let inside = start(Vec3::new(0.1, 0.2, 0.3), Vec3::Y);
+    walk::<FromLight, _>(&scene, inside, &ANALOGUE, &mut Sampler::new(1, 2, 3), &mut seen);
+    assert!((10_000..20_000).contains(&seen.vertices), "{}", seen.vertices);
+}
