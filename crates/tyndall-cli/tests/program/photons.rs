@@ -3,7 +3,7 @@
 use crate::Folder;
 
 /// Every one and every estimator, at a size that takes no time.
-const CHOICES: [&str; 23] = [
+const CHOICES: [&str; 25] = [
     "-i photonmap --set steps=3",
     "-i photonmap --set steps=3 --set final_gather=true --set reuse=2",
     "-i vpm --set steps=3 --set neighbours=5",
@@ -26,6 +26,8 @@ const CHOICES: [&str; 23] = [
     "-i ppb",
     "-i ptracer",
     "-i bdpt",
+    "-i vcm --set surface_radius=0.05",
+    "-i upbp --set techniques=pp3d,bp2d,bb1d,surf,bpt",
     COMPOSITE,
 ];
 

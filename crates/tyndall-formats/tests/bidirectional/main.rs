@@ -4,5 +4,6 @@
 mod common;
 
 mod closed_forms;
+mod merging;
 mod reciprocity;
 mod weights;

@@ -139,6 +139,15 @@ fn glass(kind: &str, more: &str) -> Scene {
     scene(PERSPECTIVE, "box", "", &format!("{FOG}{FLOOR}{LAMP}{}", ball(&inner)))
 }
 
+/// A glass ball in fog, lit by a spot.
+pub fn glass_in_fog() -> Scene {
+    let glass =
+        ball(r#"<bsdf type="dielectric"><float name="int_ior" value="1.5"/></bsdf><ref name="exterior" id="fog"/>"#);
+    let spot = EMITTERS[1].1;
+    let fog = BOX.replace("0.95", "2.9");
+    scene(PERSPECTIVE, "box", "", &format!("{FOG}{fog}{FLOOR}{glass}{spot}"))
+}
+
 /// All scenes, with names.
 pub fn scenes() -> Vec<(&'static str, Scene)> {
     let mut scenes: Vec<_> = CAMERAS.map(|(name, camera, filter)| (name, of_camera(camera, filter))).into();

@@ -5,7 +5,7 @@ use tyndall::Scene;
 use tyndall::estimators::connect::{Join, Sight};
 use tyndall::estimators::transport::{departure, is_smooth, turn};
 use tyndall::math::{Ray, Rng, Sampler, Vec3};
-use tyndall::mis::{self, Lit};
+use tyndall::mis::{self, Lit, Meeting, Merging};
 use tyndall::scene::emitter::{EndDensity, LightEnd};
 use tyndall::walk::{
     Arrival, Edge, Effort, End, FromCamera, FromLight, Leg, Media, Mode, Onward, Rules, Sink, Start, Vertex, corner,
@@ -190,6 +190,24 @@ fn sum_of(
         };
         total += f64::from(mis::weigh_join(effort, &light[i].0, &camera[n - 2 - i].0, &join));
     }
+    // Merges.
+    for i in (0..n).filter(|i| !steps[*i].delta) {
+        let (here, other) = (&light[i].0, &camera[n - 1 - i].0);
+        let turn = turn::<FromLight>(scene, &steps[i].vertex, leaving(i));
+        let meeting = Meeting {
+            light: here.arrival,
+            camera: other.arrival,
+            onward: turn.pdf,
+            back: turn.reverse,
+            sin: here.corner.arriving.cross(leaving(i)).length(),
+        };
+        let techniques: &[Merging] = match (here.corner.in_medium(), here.corner.merges) {
+            (true, _) => &[Merging::PointPoint, Merging::BeamPoint, Merging::BeamBeam],
+            (false, true) => &[Merging::Surface],
+            (false, false) => &[],
+        };
+        total += techniques.iter().map(|t| f64::from(mis::weigh_merge(effort, *t, &meeting))).sum::<f64>();
+    }
     Some(total)
 }
 
@@ -213,10 +231,31 @@ fn check(effort: &Effort, per_scene: u32) -> u32 {
     count
 }
 
-const EFFORT: Effort =
+const CONNECTIONS: Effort =
     Effort { connect: 1.0, lens: 576.0, surface: 0.0, point_point: 0.0, beam_point: 0.0, beam_beam: 0.0 };
+
+const ALL: Effort = Effort { surface: 7.0, point_point: 0.6, beam_point: 3.0, beam_beam: 11.0, ..CONNECTIONS };
 
 #[test]
 fn weights_of_connections_sum_to_one() {
-    check(&EFFORT, 2000);
+    check(&CONNECTIONS, 1500);
+}
+
+#[test]
+fn weights_of_connections_and_merges_sum_to_one() {
+    check(&ALL, 1500);
+    for effort in [
+        Effort { surface: 0.0, point_point: 0.0, beam_point: 0.0, ..ALL },
+        Effort { surface: 0.0, point_point: 0.0, beam_beam: 0.0, ..ALL },
+        Effort { surface: 0.0, beam_point: 0.0, beam_beam: 0.0, ..ALL },
+    ] {
+        check(&effort, 300);
+    }
+}
+
+/// `cargo test --release -p tyndall-formats --test bidirectional -- --ignored --nocapture million`, some minutes.
+#[test]
+#[ignore = "some minutes"]
+fn weights_of_a_million_paths_sum_to_one() {
+    assert!(check(&ALL, 60_000) >= 1_000_000);
 }

@@ -6,6 +6,7 @@ mod composite;
 pub mod parameters;
 pub mod path;
 mod photon_mapping;
+mod shrinking;
 mod virtual_lights;
 pub mod volpath;
 
@@ -98,6 +99,8 @@ pub static REGISTRY: &[IntegratorInfo] = &[
     registry::PPB,
     bidirectional::registry::PTRACER,
     bidirectional::registry::BDPT,
+    bidirectional::registry::VCM,
+    bidirectional::registry::UPBP,
     virtual_lights::registry::VPL,
     virtual_lights::registry::VRL,
     virtual_lights::registry::VBL,

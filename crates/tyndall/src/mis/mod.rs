@@ -3,9 +3,13 @@
 //! A path found by one technique could have been found by others. What the walks carry (see [`crate::walk::terms`]) sums
 //! up their densities on either side of the place where this one joins both walks; here the sums are put together.
 
+pub mod weighed;
+
+pub use weighed::Weighed;
+
 use crate::estimators::connect::{Join, Sight};
 use crate::estimators::transport::Turn;
-use crate::math::Vec3;
+use crate::math::{PerSolidAngle, Vec3};
 use crate::scene::emitter::EndDensity;
 use crate::walk::{Arrival, Edge, Effort, End, FromCamera, FromLight, Leg};
 
@@ -66,4 +70,50 @@ pub fn weigh_hit(lit: &Lit, leg: &Leg, edge: &Edge, spread: f32) -> f32 {
     let Lit { density, sampled } = lit;
     let Arrival { connected, before, .. } = leg.arrive::<FromCamera>(edge, spread, density.cos, false);
     1.0 / (1.0 + sampled * connected + density.place * density.onward * before)
+}
+
+/// Where a datum of light and a query of the camera meet.
+#[derive(Clone, Copy, Debug)]
+pub struct Meeting {
+    /// What light's walk carries there.
+    pub light: Arrival,
+    /// What the camera's walk carries there.
+    pub camera: Arrival,
+    /// Density with which light's walk would go on along the camera's ray.
+    pub onward: PerSolidAngle,
+    /// Density with which the camera's walk would go on along light's ray.
+    pub back: PerSolidAngle,
+    /// Sine of the angle between both.
+    pub sin: f32,
+}
+
+/// A technique that merges.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Merging {
+    /// Points on surfaces.
+    Surface,
+    /// Points in media.
+    PointPoint,
+    /// Camera beams and points.
+    BeamPoint,
+    /// Beams.
+    BeamBeam,
+}
+
+/// Weight of a merge.
+#[inline]
+pub fn weigh_merge(effort: &Effort, technique: Merging, meeting: &Meeting) -> f32 {
+    let Meeting { light, camera, onward, back, sin } = meeting;
+    // In units of the density of both walks colliding at the place.
+    let beam_point = effort.beam_point * camera.covered;
+    let beam_beam = effort.beam_beam * sin * camera.covered * light.covered;
+    let (own, merges) = match technique {
+        Merging::Surface => (effort.surface, effort.surface),
+        Merging::PointPoint => (effort.point_point, effort.point_point + beam_point + beam_beam),
+        Merging::BeamPoint => (beam_point, effort.point_point + beam_point + beam_beam),
+        Merging::BeamBeam => (beam_beam, effort.point_point + beam_point + beam_beam),
+    };
+    let before = light.connected + light.before * back.0;
+    let after = camera.connected + camera.before * onward.0;
+    own / (merges + before + after)
 }

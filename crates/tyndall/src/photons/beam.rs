@@ -325,6 +325,11 @@ impl Store for Beams {
     }
 
     #[inline(always)]
+    fn index(&self, leaf: u32, lane: usize) -> u32 {
+        self.blocks[leaf as usize].beam[lane & 7]
+    }
+
+    #[inline(always)]
     fn tag(&self, leaf: u32, lane: usize) -> Tag {
         self.payloads[self.blocks[leaf as usize].beam[lane & 7] as usize].tag
     }

@@ -61,17 +61,17 @@ impl Tag {
         Self(medium | scatterings << MEDIUM_BITS | (origin as u32) << (MEDIUM_BITS + SCATTERINGS_BITS))
     }
 
-    /// The medium; `None` on surfaces.
-    #[inline]
-    pub fn medium(self) -> Option<MediumId> {
-        let medium = self.0 & NO_MEDIUM;
-        (medium != NO_MEDIUM).then_some(MediumId(medium as usize))
-    }
-
     /// Whether the datum lies in `medium`.
     #[inline(always)]
     pub fn is_in(self, medium: MediumId) -> bool {
         self.0 & NO_MEDIUM == medium.0 as u32
+    }
+
+    /// The medium in which it lies; `None` on surfaces.
+    #[inline]
+    pub fn medium(self) -> Option<MediumId> {
+        let medium = self.0 & NO_MEDIUM;
+        (medium != NO_MEDIUM).then_some(MediumId(medium as usize))
     }
 
     /// Scatterings since the emitter.

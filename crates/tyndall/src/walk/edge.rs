@@ -6,6 +6,8 @@ use crate::scene::medium::{Extinction, Medium};
 
 /// Least probability of passing that weights tell from nothing.
 const LEAST: f32 = 1e-30;
+/// Least rate of collisions that weights tell from none, 1/m: a blur may meet data where there is no extinction.
+const LEAST_RATE: f32 = 1e-9;
 
 /// Probabilities of free flight along the straight way from one vertex to the next, through any number of media.
 ///
@@ -52,6 +54,7 @@ impl Edge {
                 ((-depth * along).exp().max(LEAST), [first, rate(ray.at(length.min(1e12)))])
             }
         };
+        let rates = rates.map(|rate: f32| rate.max(LEAST_RATE));
         self.survival = (self.survival * survival).max(LEAST);
         if !self.started {
             self.started = true;

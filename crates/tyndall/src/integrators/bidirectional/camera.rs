@@ -1,7 +1,8 @@
 //! The camera's walk, joined with emitters and with light's vertices.
 
-use super::Options;
 use super::light::LightVertex;
+use super::merging::Merger;
+use super::options::Options;
 use crate::Spectrum;
 use crate::estimators::connect::join;
 use crate::estimators::transport::{SHORT_OF, departure, is_smooth, turn};
@@ -19,6 +20,7 @@ pub(super) struct CameraPath<'a> {
     options: &'a Options,
     effort: &'a Effort,
     light: &'a [LightVertex],
+    merger: Merger<'a>,
     radiance: Spectrum,
     account: Account<'a, FromCamera>,
 }
@@ -30,12 +32,13 @@ impl<'a> CameraPath<'a> {
         options: &'a Options,
         effort: &'a Effort,
         light: &'a [LightVertex],
+        merger: Merger<'a>,
         film: Vec2,
         sampler: &mut Sampler,
     ) -> Spectrum {
         let camera = scene.sensor.sample_ray(film, sampler.vec2());
         let account = Account::of_camera(scene, effort, &camera.ray);
-        let mut path = Self { scene, options, effort, light, radiance: Spectrum::ZERO, account };
+        let mut path = Self { scene, options, effort, light, merger, radiance: Spectrum::ZERO, account };
         let start =
             Start { ray: camera.ray, length: camera.t_max, medium: scene.camera_medium, throughput: Spectrum::ONE };
         walk::<FromCamera, _>(scene, start, &options.rules, sampler, &mut path);
@@ -92,7 +95,8 @@ impl<'a> CameraPath<'a> {
 }
 
 impl Sink for CameraPath<'_> {
-    fn segment(&mut self, segment: &Segment, _: &mut Sampler) {
+    fn segment(&mut self, segment: &Segment, sampler: &mut Sampler) {
+        self.radiance += self.merger.along(segment, &self.account, sampler);
         self.account.pass(segment);
     }
 
@@ -111,6 +115,7 @@ impl Sink for CameraPath<'_> {
 
     fn vertex(&mut self, vertex: &Vertex, sampler: &mut Sampler) {
         let end = self.account.arrive(vertex);
+        self.radiance += self.merger.at(vertex, &end, sampler);
         if self.effort.connect > 0.0 && is_smooth(self.scene, vertex) {
             self.add_sampled(vertex, &end, sampler);
             self.add_joined(vertex, &end, sampler);

@@ -2,31 +2,32 @@
 //!
 //! For every pixel and pass one light path and one camera path are traced. Every vertex of light's path is joined with the
 //! lens, every vertex of the camera's with an emitter and with every vertex of light's; walks that run into an emitter
-//! count as well. The weights of all that are those of [`crate::mis`].
+//! count as well. Where it is wanted, the camera's walk is also merged with points and beams of other light paths. The
+//! weights of all that are those of [`crate::mis`].
 
 mod camera;
 mod light;
+mod merging;
+mod options;
 pub mod registry;
+mod stores;
 
 use self::camera::CameraPath;
 use self::light::{LightPath, LightVertex};
+use self::merging::Merger;
+use self::options::Options;
+use self::stores::Stores;
 use super::volpath::{self, Volpath};
 use super::{Integrator, Job, RareEvents, Sample, sample_pixels};
 use crate::film::Splats;
 use crate::film::pixels::PixelSum;
 use crate::math::Sampler;
+use crate::photons::TraceError;
 use crate::scene::Scene;
-use crate::walk::{Effort, Rules};
+use crate::walk::{Effort, Profile};
 
 /// Streams of numbers for light paths that belong to pixels.
 const STREAM: u64 = 1 << 62;
-
-/// What can be chosen.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Options {
-    pub(super) rules: Rules,
-    pub(super) hide_emitters: bool,
-}
 
 /// Light tracing: the lens is all that light's vertices are joined with.
 pub(super) struct LightTracing {
@@ -64,28 +65,47 @@ impl Integrator for LightTracing {
     }
 }
 
-/// Bidirectional path tracing.
+/// Bidirectional path tracing, with merging if it is wanted.
 pub(super) struct Bidirectional {
     options: Options,
+    stores: Stores,
+}
+
+impl Bidirectional {
+    fn new(options: Options) -> Self {
+        Self { options, stores: Stores::new() }
+    }
 }
 
 impl Integrator for Bidirectional {
     fn warnings(&self, scene: &Scene) -> Vec<String> {
-        scene.hidden_caustics().into_iter().collect()
+        let merges = self.options.techniques.merge();
+        scene.hidden_caustics().filter(|_| !merges).into_iter().collect()
+    }
+
+    fn prepare(&mut self, scene: &Scene, seed: u64, pass: u32) -> Result<u32, TraceError> {
+        self.stores.prepare(scene, &self.options, seed, pass)?;
+        Ok(1)
     }
 
     fn splats(&self) -> bool {
-        true
+        self.options.techniques.bpt
     }
 
     fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum], splats: &mut Splats) -> RareEvents {
-        let effort = Effort { connect: 1.0, lens: paths(scene), ..Effort::default() };
+        let Self { options, stores } = self;
+        let effort = &stores.effort;
         let mut vertices: Vec<LightVertex> = Vec::new();
+        let mut profile = Profile::default();
         sample_pixels(scene, job, pixels, |sample, sampler| {
             vertices.clear();
-            LightPath { scene, rules: &self.options.rules, effort: &effort, splats }
-                .trace(&mut light_sampler(job.seed, &sample), |vertex| vertices.push(vertex));
-            CameraPath::radiance(scene, &self.options, &effort, &vertices, sample.film, sampler)
+            if options.techniques.bpt {
+                LightPath { scene, rules: &options.rules, effort, splats }
+                    .trace(&mut light_sampler(job.seed, &sample), |vertex| vertices.push(vertex));
+            }
+            let (max_depth, kernel) = (options.rules.max_depth, options.kernel);
+            let merger = Merger { scene, stores, kernel, max_depth, profile: &mut profile };
+            CameraPath::radiance(scene, options, effort, &vertices, merger, sample.film, sampler)
         })
     }
 }

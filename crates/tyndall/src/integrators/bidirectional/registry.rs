@@ -1,23 +1,11 @@
 //! The names of the family.
 
+use super::options::declared::{ALPHA, BEAMS, KERNEL, MEMORY, PHOTONS, RADIUS, SURFACE_RADIUS, techniques};
 use super::{Bidirectional, LightTracing, Options};
 use crate::integrators::volpath::common::{HIDE_EMITTERS, MAX_DEPTH, RR_DEPTH};
-use crate::integrators::volpath::{RR_CAP, depth};
-use crate::integrators::{IntegratorInfo, ParameterError, ParameterInfo, Parameters};
-use crate::walk::{Media, Rules};
+use crate::integrators::{IntegratorInfo, ParameterInfo};
 
 const PARAMETERS: &[ParameterInfo] = &[MAX_DEPTH, RR_DEPTH, HIDE_EMITTERS];
-
-impl Options {
-    fn read(parameters: &Parameters) -> Result<Self, ParameterError> {
-        let rr_depth = parameters.count("rr_depth", 1, "a whole number from 1")?;
-        let max_depth = depth(parameters, "max_depth")?;
-        Ok(Self {
-            rules: Rules { max_depth, rr_depth, rr_cap: RR_CAP, media: Media::Scatter },
-            hide_emitters: parameters.boolean("hide_emitters"),
-        })
-    }
-}
 
 /// The registry's entry of `ptracer`.
 pub const PTRACER: IntegratorInfo = IntegratorInfo {
@@ -36,5 +24,49 @@ pub const BDPT: IntegratorInfo = IntegratorInfo {
     summary: "Bidirectional path tracing: paths from the camera and from emitters, joined in every way.",
     source: "Lafortune and Willems 1993, 1996; Veach and Guibas 1995",
     parameters: PARAMETERS,
-    make: |parameters| Ok(Box::new(Bidirectional { options: Options::read(parameters)? })),
+    make: |parameters| Ok(Box::new(Bidirectional::new(Options::read(parameters)?))),
+};
+
+/// The registry's entry of `vcm`.
+pub const VCM: IntegratorInfo = IntegratorInfo {
+    name: "vcm",
+    aliases: &[],
+    summary: "Vertex connection and merging: bidirectional path tracing and progressive photon mapping of surfaces.",
+    source: "Georgiev et al. 2012; Hachisuka, Pantaleoni and Jensen 2012",
+    parameters: &[
+        techniques("bpt,surf"),
+        PHOTONS,
+        BEAMS,
+        RADIUS,
+        SURFACE_RADIUS,
+        ALPHA,
+        KERNEL,
+        MAX_DEPTH,
+        RR_DEPTH,
+        HIDE_EMITTERS,
+        MEMORY,
+    ],
+    make: |parameters| Ok(Box::new(Bidirectional::new(Options::read(parameters)?))),
+};
+
+/// The registry's entry of `upbp`.
+pub const UPBP: IntegratorInfo = IntegratorInfo {
+    name: "upbp",
+    aliases: &[],
+    summary: "Unified points, beams and paths: bidirectional path tracing and merging on surfaces and in media.",
+    source: "Krivanek et al. 2014",
+    parameters: &[
+        techniques("bpt,surf,pp3d,bp2d,bb1d"),
+        PHOTONS,
+        BEAMS,
+        RADIUS,
+        SURFACE_RADIUS,
+        ALPHA,
+        KERNEL,
+        MAX_DEPTH,
+        RR_DEPTH,
+        HIDE_EMITTERS,
+        MEMORY,
+    ],
+    make: |parameters| Ok(Box::new(Bidirectional::new(Options::read(parameters)?))),
 };

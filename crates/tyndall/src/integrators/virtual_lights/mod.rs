@@ -93,6 +93,7 @@ impl VirtualLights {
             point_radius: 0.0,
             surface_radius: 0.0,
             wanted: Wanted { beams: rays, vertices: [!rays, true], ..Wanted::default() },
+            effort: None,
             memory,
         }
     }
