@@ -3,7 +3,7 @@
 use crate::Folder;
 
 /// Every one and every estimator, at a size that takes no time.
-const CHOICES: [&str; 25] = [
+const CHOICES: [&str; 28] = [
     "-i photonmap --set steps=3",
     "-i photonmap --set steps=3 --set final_gather=true --set reuse=2",
     "-i vpm --set steps=3 --set neighbours=5",
@@ -28,6 +28,9 @@ const CHOICES: [&str; 25] = [
     "-i bdpt",
     "-i vcm --set surface_radius=0.05",
     "-i upbp --set techniques=pp3d,bp2d,bb1d,surf,bpt",
+    "-i vpl --set clamp=10 --set lights=4",
+    "-i vrl --set extent=long --set lights=4",
+    "-i vbl --set reuse=2 --set lights=4",
     COMPOSITE,
 ];
 
