@@ -1,7 +1,7 @@
 //! `cargo xtask ci`: one step after the other, stopping at the first that fails.
 
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::time::Instant;
 
 /// Runs a command in `root`, saying so first.
@@ -25,12 +25,34 @@ fn cargo(arguments: &str) -> Command {
     command
 }
 
+/// Installs what the browser test drives where it is missing and can be installed so; the test says when it was skipped.
+fn browser() {
+    let starts = |program: &str, argument: &str| {
+        let mut command = Command::new(program);
+        command.arg(argument).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+        command.status().is_ok_and(|status| status.success())
+    };
+    if starts("chromedriver", "--version") {
+        return;
+    }
+    println!("==> a Chromium for the browser test");
+    let install = |words: &[&str]| {
+        let mut command = Command::new("apt-get");
+        command.args(words).env("DEBIAN_FRONTEND", "noninteractive");
+        command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+        command.status().is_ok_and(|status| status.success())
+    };
+    let done = install(&["update"]) && install(&["install", "--yes", "chromium", "chromium-driver"]);
+    println!("    {}", if done { "installed" } else { "could not be installed: the browser test will be skipped" });
+}
+
 /// Everything a change must pass.
 pub(crate) fn run(root: &Path) -> Result<(), String> {
     step(root, &mut cargo("fmt --all --check"))?;
     println!("==> layers");
     crate::layers::check(root)?;
     step(root, &mut cargo("clippy --release --workspace --all-targets -- -D warnings"))?;
+    browser();
     step(root, &mut cargo("test --release --workspace"))?;
     step(
         root,

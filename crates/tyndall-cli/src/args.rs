@@ -1,5 +1,6 @@
 //! The command line.
 
+use crate::compare::Compare;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -21,9 +22,20 @@ pub(crate) enum Command {
     Check(Check),
     /// List the integrators, or describe one of them with its parameters
     Integrators(Integrators),
+    /// Compare methods at equal time, equal samples or equal error, and write a report
+    Compare(Box<Compare>),
+    /// Write a page that shows pictures side by side, and open it
+    View(View),
     /// Look at, convert, compare and merge pictures
     #[command(subcommand)]
     Image(Image),
+    /// Become a command that ends when the program that started it does
+    #[command(hide = true)]
+    Leash {
+        /// The command
+        #[arg(required = true, trailing_var_arg = true, allow_hyphen_values = true)]
+        command: Vec<std::ffi::OsString>,
+    },
 }
 
 /// `tyndall render`.
@@ -108,6 +120,13 @@ pub(crate) struct Render {
     #[arg(long, help_heading = "Checkpoints")]
     pub(crate) resume: bool,
 
+    /// Keep the checkpoint of a finished picture: with --resume and a larger budget it goes on from there
+    #[arg(long, help_heading = "Checkpoints")]
+    pub(crate) keep_checkpoint: bool,
+
+    #[command(flatten)]
+    pub(crate) measuring: Measuring,
+
     /// Say nothing but errors
     #[arg(short, long, conflicts_with = "verbose")]
     pub(crate) quiet: bool,
@@ -115,6 +134,25 @@ pub(crate) struct Render {
     /// Say more
     #[arg(short, long)]
     pub(crate) verbose: bool,
+}
+
+/// What is measured along the way.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Measuring")]
+pub(crate) struct Measuring {
+    /// Let --time count loading and building the scene as well
+    #[arg(long, requires = "time")]
+    pub(crate) include_load: bool,
+
+    /// Write times, samples, light paths and peak memory as JSON
+    #[arg(long, value_name = "FILE")]
+    pub(crate) statistics: Option<PathBuf>,
+
+    /// Keep the picture at doubling times in this folder
+    ///
+    /// The time that writing takes does not count.
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) series: Option<PathBuf>,
 }
 
 /// `tyndall check`.
@@ -147,6 +185,30 @@ pub(crate) struct Integrators {
     pub(crate) markdown: bool,
 }
 
+/// `tyndall view`.
+#[derive(Debug, Args)]
+pub(crate) struct View {
+    /// The pictures; those of one size are shown together
+    #[arg(required = true, value_name = "FILE")]
+    pub(crate) pictures: Vec<PathBuf>,
+
+    /// A picture that the others are compared with
+    #[arg(long, value_name = "FILE")]
+    pub(crate) reference: Option<PathBuf>,
+
+    /// The page
+    #[arg(short, long, value_name = "FILE", default_value = "view.html")]
+    pub(crate) output: PathBuf,
+
+    /// Title of the page
+    #[arg(long, value_name = "TEXT")]
+    pub(crate) title: Option<String>,
+
+    /// Write the page, do not open it
+    #[arg(long)]
+    pub(crate) no_open: bool,
+}
+
 /// `tyndall image`.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Image {
@@ -174,8 +236,8 @@ pub(crate) enum Image {
         /// The reference
         #[arg(value_name = "B")]
         reference: PathBuf,
-        /// The error to measure: relMSE, MAPE, MSE, PSNR (the peak is that of B) or FLIP; can be given several times, all if
-        /// not given
+        /// The error to measure: relMSE, robust (relMSE without the worst 0.1 % of the pixels), MAPE, SMAPE, MSE, PSNR (the
+        /// peak is that of B), FLIP or HDR-FLIP; can be given several times, all if not given
         #[arg(long, value_name = "NAME")]
         metric: Vec<String>,
         /// Also write the error of every pixel, grey: of the first metric named, FLIP if none is
@@ -211,7 +273,7 @@ pub(crate) struct Encoding {
 }
 
 /// `KEY=VALUE`.
-fn pair(text: &str) -> Result<(String, String), String> {
+pub(crate) fn pair(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((key, value)) if !key.trim().is_empty() => Ok((key.trim().to_owned(), value.to_owned())),
         _ => Err("expected NAME=VALUE".into()),
@@ -219,7 +281,7 @@ fn pair(text: &str) -> Result<(String, String), String> {
 }
 
 /// `640x480`, both positive and no larger than any picture format takes.
-fn size(text: &str) -> Result<[u32; 2], String> {
+pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
     let fail = || "expected a width and a height from 1 to 65535, such as 640x480".to_owned();
     let (width, height) = text.split_once(['x', 'X']).ok_or_else(fail)?;
     let parse = |word: &str| word.trim().parse::<u16>().ok().filter(|n| *n > 0).map(u32::from).ok_or_else(fail);
@@ -227,18 +289,18 @@ fn size(text: &str) -> Result<[u32; 2], String> {
 }
 
 /// `0,0,64,32`.
-fn crop(text: &str) -> Result<[u32; 4], String> {
+pub(crate) fn crop(text: &str) -> Result<[u32; 4], String> {
     let fail = |_| "expected left, top, width and height in pixels, such as 16,0,64,32".to_owned();
     let numbers = text.split(',').map(|word| word.trim().parse().map_err(|_| ())).collect::<Result<Vec<u32>, ()>>();
     let crop: [u32; 4] = numbers.and_then(|numbers| numbers.try_into().map_err(|_| ())).map_err(fail)?;
     if crop[2] == 0 || crop[3] == 0 { Err(fail(())) } else { Ok(crop) }
 }
 
-fn count(text: &str) -> Result<u32, String> {
+pub(crate) fn count(text: &str) -> Result<u32, String> {
     text.parse().ok().filter(|n| *n > 0).ok_or_else(|| "expected a whole number from 1".into())
 }
 
-fn seed(text: &str) -> Result<u64, String> {
+pub(crate) fn seed(text: &str) -> Result<u64, String> {
     text.parse().map_err(|_| "expected a whole number from 0".into())
 }
 
@@ -246,13 +308,13 @@ fn finite(text: &str) -> Result<f32, String> {
     text.parse().ok().filter(|x: &f32| x.is_finite()).ok_or_else(|| "expected a number".into())
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0);
     number.ok_or_else(|| "expected a number above 0, such as 0.02".into())
 }
 
 /// Numbers with the units h, m, s or ms, the largest first; a number alone is in seconds.
-fn duration(text: &str) -> Result<Duration, String> {
+pub(crate) fn duration(text: &str) -> Result<Duration, String> {
     const UNITS: [(&str, f64); 4] = [("h", 3600.0), ("m", 60.0), ("s", 1.0), ("ms", 1e-3)];
     let fail = || "expected a duration, such as 30s, 5m or 1h30m".to_owned();
     let mut seconds = 0.0;

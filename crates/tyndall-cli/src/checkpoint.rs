@@ -6,7 +6,7 @@
 
 use crate::console::Console;
 use crate::failure::Failure;
-use std::fmt::Write;
+use crate::fingerprint::of_scene;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -32,7 +32,7 @@ impl Checkpoints {
         path.push(".checkpoint");
         Self {
             path: path.into(),
-            fingerprint: fingerprint(desc),
+            fingerprint: of_scene(desc),
             interval: interval.unwrap_or(DEFAULT_INTERVAL),
             last: Instant::now(),
         }
@@ -76,63 +76,5 @@ impl Checkpoints {
             }
             _ => Ok(()),
         }
-    }
-}
-
-/// A hash of the scene with everything that was loaded for it, and of this program's version. It goes over the text of
-/// every number, which is exact; about a second for ten million of them.
-fn fingerprint(desc: &SceneDesc) -> u64 {
-    // All fields by name: the compiler will ask about a new one.
-    let SceneDesc { shapes, shape_groups, bsdfs, media, emitters, sensor, film, sampler, integrator } = desc;
-    let mut hash = Fnv(0xcbf2_9ce4_8422_2325);
-    let version = env!("CARGO_PKG_VERSION");
-    // A hasher never fails to write.
-    let _ = write!(hash, "{version}{shapes:?}{shape_groups:?}{bsdfs:?}{media:?}{emitters:?}");
-    let _ = write!(hash, "{sensor:?}{film:?}{integrator:?}{}", sampler.seed);
-    hash.0
-}
-
-/// The 64-bit hash FNV-1a (Fowler, Noll and Vo 1991).
-struct Fnv(u64);
-
-impl Write for Fnv {
-    fn write_str(&mut self, text: &str) -> std::fmt::Result {
-        for byte in text.bytes() {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3);
-        }
-        Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use tyndall::scene::desc::{GeometryDesc, IntegratorDesc, MeshDesc, ShapeDesc};
-
-    #[test]
-    fn fnv_1a() {
-        let mut hash = Fnv(0xcbf2_9ce4_8422_2325);
-        let _ = hash.write_str("foobar");
-        assert_eq!(hash.0, 0x8594_4171_f739_67e8);
-    }
-
-    #[test]
-    fn the_fingerprint_sees_everything_but_the_budget() {
-        let scene = |x: f32| {
-            let mesh = MeshDesc { positions: vec![[x, 0.0, 0.0]; 3], triangles: vec![[0, 1, 2]], ..Default::default() };
-            let shapes = vec![ShapeDesc::new("mesh", GeometryDesc::Mesh(mesh.into()))];
-            SceneDesc { shapes, ..Default::default() }
-        };
-        let first = fingerprint(&scene(1.0));
-        assert_eq!(first, fingerprint(&scene(1.0)));
-        assert_ne!(first, fingerprint(&scene(1.000_000_1)));
-        let mut desc = scene(1.0);
-        desc.sampler.sample_count += 1;
-        assert_eq!(first, fingerprint(&desc));
-        desc.sampler.seed += 1;
-        assert_ne!(first, fingerprint(&desc));
-        desc.sampler.seed -= 1;
-        desc.integrator = IntegratorDesc { name: "path".into(), parameters: Vec::new() };
-        assert_ne!(first, fingerprint(&desc));
     }
 }

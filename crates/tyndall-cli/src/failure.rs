@@ -1,6 +1,7 @@
 //! Why the program stops, and what it says then.
 
 use crate::console::error_line;
+use crate::interrupt;
 use std::fmt::Display;
 use std::process::ExitCode;
 use tyndall_formats::mitsuba::SceneError;
@@ -12,6 +13,8 @@ pub(crate) enum Failure {
     Usage(String),
     /// Anything else.
     Other(String),
+    /// Ctrl-C.
+    Interrupted,
 }
 
 impl Failure {
@@ -37,22 +40,28 @@ impl Failure {
         Self::Usage(format!("there is no {what} `{found}`{guess} (there is {})", known.join(", ")))
     }
 
-    /// Prints it and gives the exit code: 2 for mistakes on the command line, 1 for the rest.
+    /// Prints it and gives the exit code: 2 for mistakes on the command line, 130 for Ctrl-C, 1 for the rest.
     pub(crate) fn report(self) -> ExitCode {
         error_line(format_args!("error: {self}"));
-        ExitCode::from(if matches!(self, Self::Usage(_)) { 2 } else { 1 })
+        ExitCode::from(match self {
+            Self::Usage(_) => 2,
+            Self::Other(_) => 1,
+            Self::Interrupted => interrupt::EXIT_CODE,
+        })
     }
 }
 
 impl Display for Failure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let (Self::Usage(message) | Self::Other(message)) = self;
-        f.write_str(message)
+        match self {
+            Self::Usage(message) | Self::Other(message) => f.write_str(message),
+            Self::Interrupted => f.write_str("interrupted; the same command goes on from here"),
+        }
     }
 }
 
 /// The known name that `word` was probably meant to be.
-fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
+pub(crate) fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
     let word = word.to_lowercase();
     let distance = |name: &str| strsim::damerau_levenshtein(&word, &name.to_lowercase());
     let reach = (word.chars().count() / 3).max(2);

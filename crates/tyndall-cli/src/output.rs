@@ -120,7 +120,7 @@ mod tests {
     fn message(result: Result<Target, Failure>) -> String {
         match result {
             Err(Failure::Usage(message) | Failure::Other(message)) => message,
-            Ok(_) => String::new(),
+            _ => String::new(),
         }
     }
 

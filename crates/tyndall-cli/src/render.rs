@@ -9,9 +9,12 @@ use crate::interrupt;
 use crate::load::{self, build};
 use crate::output::Target;
 use crate::progress::{Progress, quantity, time};
+use crate::series::Series;
+use crate::statistics::{Moment, Statistics, peak_memory};
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::ExitCode;
+use std::time::{Duration, Instant};
 use tyndall::integrators::IntegratorInfo;
 use tyndall::render::{self, Budget, Rendering, Settings};
 use tyndall::scene::desc::SceneDesc;
@@ -28,20 +31,25 @@ pub(crate) fn run(args: &args::Render) -> Result<ExitCode, Failure> {
         _ => Level::Normal,
     };
     let console = Console { level };
+    let started = Instant::now();
     // Everything on the command line is looked at before anything takes long.
     let info = args.integrator.as_deref().map(choice::find).transpose()?;
     let outputs = Outputs::new(args)?;
     let desc = describe(args, info, console)?;
+    let load = started.elapsed();
 
     let budget = budget(args, &desc);
-    let mut checkpoints = (args.checkpoint.is_some() || args.resume)
+    let mut checkpoints = (args.checkpoint.is_some() || args.resume || args.keep_checkpoint)
         .then(|| Checkpoints::new(outputs.picture.path(), &desc, args.checkpoint));
+    let started = Instant::now();
     let scene = build(&desc, console)?;
     // What it loaded is in the scene by now.
     drop(desc);
 
     let settings = Settings { threads: args.threads.map(|n| n as usize), ..Settings::default() };
     let mut rendering = Rendering::new(&scene, &settings).map_err(Failure::other)?;
+    let setup = [load, started.elapsed()];
+    let budget = if args.measuring.include_load { without(budget, setup[0] + setup[1]) } else { budget };
     for warning in rendering.warnings() {
         console.warning(warning);
     }
@@ -57,10 +65,16 @@ pub(crate) fn run(args: &args::Render) -> Result<ExitCode, Failure> {
     interrupt::watch(console.level > Level::Quiet);
     let (name, seed, threads) = (&rendering.integrator().name, rendering.seed(), rendering.threads());
     console.say(format_args!("rendering {width}x{height} pixels with {name}, seed {seed}, {threads} threads"));
-    let interrupted = spend(&mut rendering, budget, pixels, checkpoints.as_mut(), console)?;
+    let mut series = series(args, budget)?;
+    let interrupted = spend(&mut rendering, budget, pixels, checkpoints.as_mut(), series.as_mut(), console)?;
     outputs.write(&rendering, args)?;
     if let Some(checkpoints) = &mut checkpoints {
-        if interrupted { checkpoints.write(&rendering)? } else { checkpoints.remove()? }
+        if interrupted || args.keep_checkpoint { checkpoints.write(&rendering)? } else { checkpoints.remove()? }
+    }
+    if let Some(path) = &args.measuring.statistics {
+        let kept = series.map_or_else(Vec::new, Series::kept);
+        let statistics = Statistics { interrupted, ..statistics(&rendering, setup, kept) };
+        crate::state::write(path, &statistics)?;
     }
     report(&rendering, pixels, &outputs, interrupted, console);
     Ok(if interrupted { interrupt::EXIT_CODE.into() } else { ExitCode::SUCCESS })
@@ -89,12 +103,50 @@ fn budget(args: &args::Render, desc: &SceneDesc) -> Budget {
     }
 }
 
+/// What is left of a time; at least one pass is rendered in any case.
+fn without(budget: Budget, setup: Duration) -> Budget {
+    match budget {
+        Budget::Time(time) => Budget::Time(time.saturating_sub(setup).max(Duration::from_millis(1))),
+        other => other,
+    }
+}
+
+fn series(args: &args::Render, budget: Budget) -> Result<Option<Series>, Failure> {
+    let time = match budget {
+        Budget::Time(time) => Some(time.as_secs_f64()),
+        _ => None,
+    };
+    args.measuring.series.as_deref().map(|folder| Series::new(folder, time)).transpose()
+}
+
+fn statistics(rendering: &Rendering, setup: [Duration; 2], series: Vec<Moment>) -> Statistics {
+    let [load_seconds, build_seconds] = setup.map(|d| d.as_secs_f64());
+    let counts = rendering.counts();
+    Statistics {
+        integrator: rendering.integrator().name.clone(),
+        parameters: choice::parameters(rendering.integrator()),
+        seed: rendering.seed(),
+        threads: rendering.threads(),
+        samples: rendering.passes(),
+        load_seconds,
+        build_seconds,
+        render_seconds: rendering.seconds(),
+        light_paths: counts.light_paths,
+        photons: counts.photons,
+        non_finite: rendering.rare_events().non_finite,
+        peak_memory: peak_memory(None),
+        interrupted: false,
+        series,
+    }
+}
+
 /// Spends the budget; whether it was interrupted.
 fn spend(
     rendering: &mut Rendering,
     budget: Budget,
     pixels: f64,
     mut checkpoints: Option<&mut Checkpoints>,
+    mut series: Option<&mut Series>,
     console: Console,
 ) -> Result<bool, Failure> {
     let mut progress = Progress::new(console, pixels);
@@ -106,6 +158,11 @@ fn spend(
         {
             // The picture may still find its place.
             console.warning(format_args!("no checkpoint: {error}"));
+        }
+        if let Some(series) = &mut series
+            && let Err(error) = series.observe(rendering)
+        {
+            console.warning(format_args!("a picture of the series is missing: {error}"));
         }
         interrupted = interrupt::requested() && state.fraction < 1.0;
         if interrupted { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }

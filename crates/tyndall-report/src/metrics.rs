@@ -3,7 +3,7 @@
 use crate::view::{MetricError, View};
 
 /// Added to squares of the reference: keeps the error of black finite.
-const RELATIVE_SQUARE_FLOOR: f64 = 1e-3;
+pub(crate) const RELATIVE_SQUARE_FLOOR: f64 = 1e-3;
 /// Added to values of the reference.
 const RELATIVE_FLOOR: f64 = 1e-2;
 
@@ -16,6 +16,8 @@ pub enum Metric {
     RelMse,
     /// |I - R| / (|R| + 0.01), the mean absolute percentage error as a fraction.
     Mape,
+    /// |I - R| / (|I| + |R| + 0.01), the symmetric mean absolute percentage error as a fraction, at most 1.
+    Smape,
 }
 
 impl Metric {
@@ -26,6 +28,7 @@ impl Metric {
             Self::Mse => difference * difference,
             Self::RelMse => difference * difference / (reference * reference + RELATIVE_SQUARE_FLOOR),
             Self::Mape => difference.abs() / (reference.abs() + RELATIVE_FLOOR),
+            Self::Smape => difference.abs() / (value.abs() + reference.abs() + RELATIVE_FLOOR),
         }
     }
 
@@ -39,6 +42,11 @@ impl Metric {
     /// The mean over all pixels.
     pub fn mean(self, picture: View, reference: View) -> Result<f64, MetricError> {
         self.trimmed_mean(picture, reference, 0.0)
+    }
+
+    /// [`Self::trimmed_mean`] without the worst thousandth.
+    pub fn robust_mean(self, picture: View, reference: View) -> Result<f64, MetricError> {
+        self.trimmed_mean(picture, reference, 1e-3)
     }
 
     /// The mean over the pixels left when a fraction of them, those of the largest errors, is dropped; 0.001 is usual.
@@ -55,6 +63,11 @@ impl Metric {
         }
         Ok(errors[..kept].iter().sum::<f64>() / kept as f64)
     }
+}
+
+/// The largest value of a picture, at least 0: what its PSNR is usually measured against.
+pub fn peak(view: View) -> f64 {
+    f64::from(view.pixels().as_flattened().iter().copied().fold(0.0, f32::max))
 }
 
 /// Peak signal-to-noise ratio in decibels for values up to `peak`; infinite when the pictures are equal.

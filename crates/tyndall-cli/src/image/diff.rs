@@ -7,27 +7,34 @@ use crate::output::Target;
 use std::path::Path;
 use tyndall_formats::image::Picture;
 use tyndall_report::flip::{self, PIXELS_PER_DEGREE};
-use tyndall_report::metrics::{Metric, psnr};
-use tyndall_report::{MetricError, View};
+use tyndall_report::metrics::{Metric, peak, psnr};
+use tyndall_report::{MetricError, View, hdr_flip};
 
 /// A way to measure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Measure {
     /// A mean over values.
     Mean(Metric),
+    /// A mean without the worst pixels.
+    Robust(Metric),
     /// Peak signal-to-noise ratio, the peak being the largest value of the reference.
     Psnr,
     /// What a viewer sees.
     Flip,
+    /// The same at the worst of all exposures.
+    HdrFlip,
 }
 
 /// All of them by their names.
-const MEASURES: [(&str, Measure); 5] = [
+const MEASURES: [(&str, Measure); 8] = [
     ("relMSE", Measure::Mean(Metric::RelMse)),
+    ("robust", Measure::Robust(Metric::RelMse)),
     ("MAPE", Measure::Mean(Metric::Mape)),
+    ("SMAPE", Measure::Mean(Metric::Smape)),
     ("MSE", Measure::Mean(Metric::Mse)),
     ("PSNR", Measure::Psnr),
     ("FLIP", Measure::Flip),
+    ("HDR-FLIP", Measure::HdrFlip),
 ];
 
 /// Prints the errors: with one name only the number, for scripts.
@@ -65,7 +72,7 @@ fn find(name: &str) -> Result<(&'static str, Measure), Failure> {
 fn table(measures: &[(&str, Measure)], a: View, b: View) -> Result<String, Failure> {
     let short = |x: f64| if x == 0.0 || (1e-2..1e3).contains(&x) { format!("{x:.4}") } else { format!("{x:.4e}") };
     let line = |(name, measure): &(&str, Measure)| {
-        Ok(format!("{name:<7} {}\n", short(measure.of(a, b).map_err(Failure::other)?)))
+        Ok(format!("{name:<9} {}\n", short(measure.of(a, b).map_err(Failure::other)?)))
     };
     measures.iter().map(line).collect()
 }
@@ -74,7 +81,9 @@ impl Measure {
     fn of(self, a: View, b: View) -> Result<f64, MetricError> {
         match self {
             Self::Mean(metric) => metric.mean(a, b),
-            Self::Psnr => psnr(a, b, f64::from(b.pixels().as_flattened().iter().copied().fold(0.0, f32::max))),
+            Self::Robust(metric) => metric.robust_mean(a, b),
+            Self::Psnr => psnr(a, b, peak(b)),
+            Self::HdrFlip => hdr_flip::mean(a, b, PIXELS_PER_DEGREE),
             Self::Flip => flip::mean(a, b, PIXELS_PER_DEGREE),
         }
     }
@@ -82,7 +91,8 @@ impl Measure {
     /// The error of every pixel.
     fn map(self, a: View, b: View) -> Result<Vec<f64>, MetricError> {
         match self {
-            Self::Mean(metric) => metric.map(a, b),
+            Self::Mean(metric) | Self::Robust(metric) => metric.map(a, b),
+            Self::HdrFlip => hdr_flip::map(a, b, PIXELS_PER_DEGREE),
             Self::Psnr => Metric::Mse.map(a, b),
             Self::Flip => flip::map(a, b, PIXELS_PER_DEGREE),
         }

@@ -2,6 +2,7 @@
 
 mod check;
 mod checkpoints;
+mod compare;
 mod errors;
 mod images;
 mod photons;

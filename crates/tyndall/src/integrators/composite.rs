@@ -3,7 +3,8 @@
 use super::components::Components;
 use super::volpath::common::{HIDE_EMITTERS, MAX_DEPTH};
 use super::{
-    Integrator, IntegratorInfo, Job, ParameterError, ParameterInfo, ParameterKind, Parameters, RareEvents, find, make,
+    Counts, Integrator, IntegratorInfo, Job, ParameterError, ParameterInfo, ParameterKind, Parameters, RareEvents,
+    find, make,
 };
 use crate::Spectrum;
 use crate::film::Splats;
@@ -108,6 +109,14 @@ impl Integrator for Composite {
 
     fn splats(&self) -> bool {
         self.parts.iter().any(|part| part.splats())
+    }
+
+    fn counts(&self) -> Counts {
+        let add = |a: Counts, b: Counts| Counts {
+            light_paths: a.light_paths + b.light_paths,
+            photons: a.photons + b.photons,
+        };
+        self.parts.iter().map(|part| part.counts()).fold(Counts::default(), add)
     }
 
     fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum], splats: &mut Splats) -> RareEvents {

@@ -39,6 +39,15 @@ pub struct RareEvents {
     pub non_finite: u64,
 }
 
+/// What an integrator made beside the pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Light paths traced.
+    pub light_paths: u64,
+    /// Points, beams and planes that they left.
+    pub photons: u64,
+}
+
 /// An algorithm that renders tiles.
 pub trait Integrator: Send + Sync {
     /// What a user should know before rendering `scene`, one line each.
@@ -48,6 +57,11 @@ pub trait Integrator: Send + Sync {
     /// one on it serves. Called in the thread pool, before the tiles.
     fn prepare(&mut self, _scene: &Scene, _seed: u64, _pass: u32) -> Result<u32, TraceError> {
         Ok(u32::MAX)
+    }
+
+    /// What it made so far.
+    fn counts(&self) -> Counts {
+        Counts::default()
     }
 
     /// Whether it adds light to pixels anywhere. Its passes are then rendered one by one.
@@ -73,6 +87,12 @@ pub struct IntegratorInfo {
     /// Its parameters.
     pub parameters: &'static [ParameterInfo],
     make: fn(&Parameters) -> Result<Box<dyn Integrator>, ParameterError>,
+}
+
+impl std::fmt::Debug for IntegratorInfo {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_tuple("IntegratorInfo").field(&self.name).finish()
+    }
 }
 
 impl IntegratorInfo {

@@ -152,6 +152,11 @@ impl Data {
 }
 
 impl LightPaths {
+    /// Points, beams, planes and vertices together.
+    pub fn data(&self) -> usize {
+        self.points.len() + self.surfaces.len() + self.beams.len() + self.planes.len() + self.vertices.len()
+    }
+
     /// Traces. The data depend on the scene and `tracing` alone, not on the number of threads. Memory is re-used.
     pub fn trace(&mut self, scene: &Scene, tracing: &Tracing) -> Result<(), TraceError> {
         if scene.media().len() >= Tag::MAX_MEDIA {

@@ -11,7 +11,7 @@ pub use picture::Picture;
 use crate::film::Splats;
 use crate::film::pixels::{PixelSum, Pixels, Tile};
 use crate::film::splats::{Screen, SplatSums};
-use crate::integrators::{self, Integrator, Job, ParameterError, RareEvents};
+use crate::integrators::{self, Counts, Integrator, Job, ParameterError, RareEvents};
 use crate::photons::TraceError;
 use crate::scene::Scene;
 use crate::scene::desc::IntegratorDesc;
@@ -130,6 +130,11 @@ impl<'s> Rendering<'s> {
     /// Counts of rare events so far.
     pub fn rare_events(&self) -> RareEvents {
         self.rare
+    }
+
+    /// What the integrator made beside the pixels, since it was set up: a render that was continued starts from nothing.
+    pub fn counts(&self) -> Counts {
+        self.integrator.counts()
     }
 
     /// Renders `count` more passes. After an error the picture is what it was before the pass that failed.

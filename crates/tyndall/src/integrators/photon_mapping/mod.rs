@@ -13,7 +13,7 @@ pub(super) use self::options::declared;
 use self::camera::Gatherer;
 use self::options::{Estimator, Options, Selection};
 use super::shrinking::Shrinking;
-use super::{Integrator, Job, RareEvents, sample_pixels};
+use super::{Counts, Integrator, Job, RareEvents, sample_pixels};
 use crate::accel::{KdTree, Neighbours};
 use crate::film::Splats;
 use crate::film::pixels::PixelSum;
@@ -47,6 +47,7 @@ pub(super) struct PhotonMapping {
     /// The set of light paths at hand.
     set: Option<u32>,
     shrinking: Shrinking,
+    counts: Counts,
 }
 
 impl PhotonMapping {
@@ -63,6 +64,7 @@ impl PhotonMapping {
             radii: None,
             set: None,
             shrinking: Shrinking::START,
+            counts: Counts::default(),
         }
     }
 
@@ -166,6 +168,8 @@ impl Integrator for PhotonMapping {
             ..self.tracing(scene, seed, set)
         };
         self.paths.trace(scene, &tracing)?;
+        self.counts.light_paths += u64::from(tracing.paths);
+        self.counts.photons += self.paths.data() as u64;
         if tracing.wanted.points {
             let points = &mut self.paths.points;
             match self.options.selection {
@@ -201,6 +205,10 @@ impl Integrator for PhotonMapping {
         }
         self.set = Some(set);
         Ok(serves)
+    }
+
+    fn counts(&self) -> Counts {
+        self.counts
     }
 
     fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum], _: &mut Splats) -> RareEvents {

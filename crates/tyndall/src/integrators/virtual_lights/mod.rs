@@ -12,7 +12,7 @@ use self::camera::Seeker;
 use self::chosen::Choice;
 use super::components::Components;
 use super::volpath::{self, Volpath};
-use super::{Integrator, Job, RareEvents, sample_pixels};
+use super::{Counts, Integrator, Job, RareEvents, sample_pixels};
 use crate::film::Splats;
 use crate::film::pixels::PixelSum;
 use crate::photons::{Extent, LightPaths, TraceError, Tracing, Wanted};
@@ -58,6 +58,7 @@ pub(super) struct VirtualLights {
     radius: f32,
     /// The set of light paths at hand.
     set: Option<u32>,
+    counts: Counts,
 }
 
 /// Automatic radius of lights, in units of the mean length of light's segments in media; on surfaces only, of the scene's
@@ -78,6 +79,7 @@ impl VirtualLights {
             first_radius: None,
             radius: 0.0,
             set: None,
+            counts: Counts::default(),
         }
     }
 
@@ -137,8 +139,14 @@ impl Integrator for VirtualLights {
         self.rays.of(self.paths.beams.iter().map(|beam| beam.flux.unpack().max_channel() * beam.length));
         // The bias is of second order in the radius and the variance bounded: it may shrink fast.
         self.radius = first_radius / (set as f32 + 1.0).sqrt();
+        self.counts.light_paths += u64::from(self.options.photons);
+        self.counts.photons += self.paths.data() as u64;
         self.set = Some(set);
         Ok(serves)
+    }
+
+    fn counts(&self) -> Counts {
+        self.counts
     }
 
     fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum], _: &mut Splats) -> RareEvents {
