@@ -1,19 +1,28 @@
-//! `volpath` against Mitsuba 3: whole pictures of the scenes in `references/`, compared within the noise of both.
+//! `volpath` and `bdpt` against Mitsuba 3: whole pictures of the scenes in `references/`, compared within the noise of both.
 
 use std::path::{Path, PathBuf};
+use tyndall::scene::desc::IntegratorDesc;
 use tyndall::{Rendering, Scene, Settings};
 use tyndall_formats::{image, mitsuba};
 use tyndall_testkit::ztest::{self, Picture, PictureOutcome};
 
-/// Renders `scene` with `passes` samples and compares it with the mean and the variance of one sample in two files: with
+/// Renders `scene` by the `integrator`, its own if there is none, with `passes` samples and compares it with the mean and the variance of one sample in two files: with
 /// the noise of both, or, where the reference is of unknown `samples`, with the larger variance at our number of samples.
 /// (Mitsuba's variances are differences of second moments in XYZ and squared means in RGB: in saturated pixels they are
 /// next to nothing, and no renderer, Mitsuba included, keeps within them.)
-fn compare(scene: &Path, passes: u32, mean: &Path, variance: &Path, samples: Option<f64>) -> PictureOutcome {
+fn compare(
+    scene: &Path,
+    integrator: Option<&str>,
+    passes: u32,
+    mean: &Path,
+    variance: &Path,
+    samples: Option<f64>,
+) -> PictureOutcome {
     let name = scene.display();
     let loaded = mitsuba::read(scene, &mitsuba::Options::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
     let scene = Scene::build(&loaded.scene).unwrap_or_else(|e| panic!("{name}: {e}"));
-    let mut rendering = Rendering::new(&scene, &Settings { seed: Some(2), ..Settings::default() }).unwrap();
+    let integrator = integrator.map(|name| IntegratorDesc { name: name.into(), ..scene.integrator.clone() });
+    let mut rendering = Rendering::new(&scene, &Settings { integrator, seed: Some(2), threads: None }).unwrap();
     rendering.add_passes(passes).unwrap();
     assert_eq!(rendering.rare_events().non_finite, 0, "{name}");
     let ours = rendering.picture();
@@ -32,14 +41,18 @@ fn compare(scene: &Path, passes: u32, mean: &Path, variance: &Path, samples: Opt
         3,
     );
     println!(
-        "{name}: {:.4} of the pixels agree, z of the means {:.2?}, of the worst square {:.2} of {}",
-        outcome.agreeing, outcome.mean_z, outcome.block_z, outcome.blocks
+        "{name} {}: {:.4} of the pixels agree, z of the means {:.2?}, of the worst square {:.2} of {}",
+        rendering.integrator().name,
+        outcome.agreeing,
+        outcome.mean_z,
+        outcome.block_z,
+        outcome.blocks
     );
     outcome
 }
 
-#[test]
-fn every_scene_is_the_same_picture() {
+/// The scenes of which the picture by the `integrator` differs.
+fn differing(integrator: Option<&str>, passes: u32) -> Vec<String> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/references");
     let list = std::fs::read_to_string(folder.join("references.txt")).unwrap();
     let mut differing = Vec::new();
@@ -47,11 +60,22 @@ fn every_scene_is_the_same_picture() {
         let mut words = line.split_whitespace();
         let (name, samples) = (words.next().unwrap(), words.next().unwrap().parse::<f64>().unwrap());
         let file = |suffix: &str| folder.join(format!("{name}{suffix}"));
-        if !compare(&file(".xml"), 256, &file(".exr"), &file("-variance.exr"), Some(samples)).passes() {
-            differing.push(name);
+        let (mean, variance) = (file(".exr"), file("-variance.exr"));
+        if !compare(&file(".xml"), integrator, passes, &mean, &variance, Some(samples)).passes() {
+            differing.push(name.to_string());
         }
     }
-    assert!(differing.is_empty(), "differing by more than their noise: {differing:?}");
+    differing
+}
+
+#[test]
+fn every_scene_is_the_same_picture() {
+    assert_eq!(differing(None, 256), [""; 0], "differing by more than their noise");
+}
+
+#[test]
+fn every_scene_is_the_same_picture_by_bidirectional_path_tracing() {
+    assert_eq!(differing(Some("bdpt"), 256), [""; 0], "differing by more than their noise");
 }
 
 /// Mitsuba's own test scenes, where `TYNDALL_MITSUBA_SCENES` names a folder of them (NAME_volpath.xml or
@@ -65,7 +89,7 @@ fn scenes_of_mitsuba_are_the_same_pictures() {
         let name = scene.file_name().unwrap().to_string_lossy().into_owned();
         let Some((name, _)) = name.split_once("_volpath") else { continue };
         let reference = |suffix: &str| folder.join(format!("refs/{name}_ref_rgb{suffix}.exr"));
-        compare(&scene, 868, &reference(""), &reference("_var"), None).assert();
+        compare(&scene, None, 868, &reference(""), &reference("_var"), None).assert();
         count += 1;
     }
     assert!(count > 0, "no scene in {}", folder.display());

@@ -125,7 +125,8 @@ impl Default for Infinite {
     }
 }
 
-const CHROMATIC: Infinite =
+/// A chromatic one.
+pub const CHROMATIC: Infinite =
     Infinite { a: 1.0, h: 1.0, sigma_t: [2.0, 1.0, 0.5], albedo: [0.9, 0.5, 0.8], g: 0.0, orders: None };
 
 /// The scene of [`Infinite`]: a sphere of 40 mean free paths stands for infinity.

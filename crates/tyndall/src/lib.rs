@@ -23,13 +23,14 @@
 //! # The rooms
 //!
 //! Each module may use those before it: [`math`], [`accel`] and [`film`], [`scene`], [`walk`], [`photons`],
-//! [`estimators`], [`integrators`], [`render`].
+//! [`estimators`], [`mis`], [`integrators`], [`render`].
 
 pub mod accel;
 pub mod estimators;
 pub mod film;
 pub mod integrators;
 pub mod math;
+pub mod mis;
 pub mod photons;
 pub mod render;
 pub mod scene;

@@ -114,6 +114,13 @@ impl Spectrum {
         Self(self.0 + (other.0 - self.0) * t)
     }
 
+    /// Quotient of each channel; zero where the divisor is.
+    #[inline(always)]
+    pub fn over(self, divisor: Self) -> Self {
+        let channel = |c: usize| if divisor[c] == 0.0 { 0.0 } else { self[c] / divisor[c] };
+        Self::new(channel(0), channel(1), channel(2))
+    }
+
     /// `function` of each channel.
     #[inline(always)]
     pub fn map(self, function: impl Fn(f32) -> f32) -> Self {

@@ -3,7 +3,7 @@
 use crate::Folder;
 
 /// Every one and every estimator, at a size that takes no time.
-const CHOICES: [&str; 21] = [
+const CHOICES: [&str; 28] = [
     "-i photonmap --set steps=3",
     "-i photonmap --set steps=3 --set final_gather=true --set reuse=2",
     "-i vpm --set steps=3 --set neighbours=5",
@@ -24,6 +24,13 @@ const CHOICES: [&str; 21] = [
     "-i pvpm --set steps=3",
     "-i pbre --set neighbours=8",
     "-i ppb",
+    "-i ptracer",
+    "-i bdpt",
+    "-i vcm --set surface_radius=0.05",
+    "-i upbp --set techniques=pp3d,bp2d,bb1d,surf,bpt",
+    "-i vpl --set clamp=10 --set lights=4",
+    "-i vrl --set extent=long --set lights=4",
+    "-i vbl --set reuse=2 --set lights=4",
     COMPOSITE,
 ];
 
@@ -32,7 +39,7 @@ const COMPOSITE: &str = "-i composite --set volpath=emitted+direct --set photonm
 
 /// More light paths than a chunk of them holds, so that several threads trace.
 fn photons(choice: &str) -> &'static str {
-    if choice == COMPOSITE { "" } else { "--set photons=5000" }
+    if [COMPOSITE, "-i ptracer", "-i bdpt"].contains(&choice) { "" } else { "--set photons=5000" }
 }
 
 #[test]

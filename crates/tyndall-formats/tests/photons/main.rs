@@ -8,6 +8,7 @@ mod closed_forms;
 mod components;
 mod furnaces;
 mod progressive;
+mod surfaces;
 mod whole_scenes;
 
 use blur::Blur;

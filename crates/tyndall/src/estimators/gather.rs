@@ -120,7 +120,8 @@ impl<M: Merge, Q: Query<Probe = M::Probe>> Visitor<'_, M, Q> {
         let Some(meet) = self.merge.meet(self.query.probe(), self.store, leaf, lane, self.rng) else { return };
         let x = self.query.position(meet.t);
         let light = self.store.arriving(leaf, lane, meet.s, x, self.query.medium());
-        let mut seen = self.query.respond(meet.t, light.direction) * light.flux * meet.weight;
+        let weight = meet.weight * self.query.weigh(self.store.index(leaf, lane), &meet, x, light.direction);
+        let mut seen = self.query.respond(meet.t, light.direction) * light.flux * weight;
         if M::SHADOWED && !seen.is_black() {
             let bend = x - meet.s[1] * light.direction;
             seen *= self.query.look_through(bend, light.direction, meet.s[1], self.rng);

@@ -1,6 +1,6 @@
 //! What the camera asks: along a ray, at a point, on a surface.
 
-use super::merge::{BeamProbe, PointProbe, SurfaceProbe};
+use super::merge::{BeamProbe, Meet, PointProbe, SurfaceProbe};
 use super::transport::respond_to_light;
 use crate::Spectrum;
 use crate::accel::{Bvh, Visit};
@@ -50,6 +50,12 @@ pub trait Query {
     /// What the camera sees of light of unit flux density that arrives at distance `t` along `direction`: throughput,
     /// transmittance, phase function or BSDF.
     fn respond(&self, t: f32, direction: Vec3) -> Spectrum;
+
+    /// Weight against other techniques of the datum number `datum`, met at `x`, its light travelling along `direction`.
+    #[inline(always)]
+    fn weigh(&self, _datum: u32, _meet: &Meet, _x: Vec3, _direction: Vec3) -> f32 {
+        1.0
+    }
 
     /// The medium; `None` on surfaces.
     #[inline(always)]

@@ -47,7 +47,13 @@ pub enum FilterError {
 
 /// Draws positions in the density of a filter.
 #[derive(Clone, Debug)]
-pub struct FilterSampler(Profile);
+pub struct FilterSampler {
+    profile: Profile,
+    filter: ReconstructionFilter,
+    radius: f32,
+    /// Integral along an axis, pixels.
+    integral: f64,
+}
 
 #[derive(Clone, Debug)]
 enum Profile {
@@ -63,14 +69,55 @@ impl FilterSampler {
         if !(0.0 < radius && radius <= MAX_RADIUS) {
             return Err(FilterError::Radius(radius));
         }
-        Ok(Self(match filter {
+        let profile = match filter {
             ReconstructionFilter::Box => Profile::Box,
             ReconstructionFilter::Tent { radius } => Profile::Tent { radius },
             ReconstructionFilter::Mitchell { b, c } if !(b.is_finite() && c.is_finite()) => {
                 return Err(FilterError::Cubic { b, c });
             }
             _ => Profile::Table(Table::new(|x| value(filter, x), radius)),
-        }))
+        };
+        let integral = match &profile {
+            Profile::Box => 1.0,
+            Profile::Tent { radius } => f64::from(*radius),
+            Profile::Table(table) => 2.0 * table.integral,
+        };
+        Ok(Self { profile, filter, radius: radius as f32, integral })
+    }
+
+    /// Half its width, pixels.
+    #[inline]
+    pub fn radius(&self) -> f32 {
+        self.radius
+    }
+
+    /// The filter along one axis at `offset` from the pixel's centre, 1/pixel; it integrates to one.
+    #[inline]
+    pub fn value(&self, offset: f32) -> f32 {
+        (value(self.filter, f64::from(offset.abs())) / self.integral) as f32
+    }
+
+    /// Along one axis: a pixel whose filter takes in the `position` of the film, in pixels, chosen with `u` in [0, 1), and
+    /// the weight of what is added there: the filter's value over the probability of the choice.
+    #[inline]
+    pub fn choose_pixel(&self, position: f32, u: f32) -> (i64, f32) {
+        if let Profile::Box = self.profile {
+            return (position.floor() as i64, 1.0);
+        }
+        let first = (position - 0.5 - self.radius).ceil() as i64;
+        let last = (position - 0.5 + self.radius).floor() as i64;
+        let value = |pixel: i64| self.value(position - 0.5 - pixel as f32);
+        let total: f32 = (first..=last).map(|pixel| value(pixel).abs()).sum();
+        let mut rest = u * total;
+        for pixel in first..=last {
+            let value = value(pixel);
+            if rest < value.abs() {
+                return (pixel, total.copysign(value));
+            }
+            rest -= value.abs();
+        }
+        // Between the pixels of a filter narrower than they are, or by rounding.
+        (first, 0.0)
     }
 
     /// An offset from the pixel's centre, in pixels, and the sample's weight. `u` in [0, 1)^2.
@@ -80,7 +127,7 @@ impl FilterSampler {
     #[inline]
     pub fn sample(&self, u: Vec2) -> (Vec2, f32) {
         let v = 2.0 * u - Vec2::ONE;
-        match &self.0 {
+        match &self.profile {
             Profile::Box => (0.5 * v, 1.0),
             Profile::Tent { radius } => {
                 let distance = |v: f32| *radius * (1.0 - (1.0 - v.abs()).sqrt()).copysign(v);
@@ -101,6 +148,8 @@ struct Table {
     nodes: Vec<Node>,
     /// Integral of |f| divided by the integral of f.
     weight: f32,
+    /// Integral of f from the centre outwards.
+    integral: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -135,7 +184,7 @@ impl Table {
         }
         let sum = absolute[absolute.len() - 1];
         let node = |(&(x, f), &c): (&(f64, f64), &f64)| Node { x: x as f32, f: f as f32, cumulative: (c / sum) as f32 };
-        Self { nodes: points.iter().zip(&absolute).map(node).collect(), weight: (sum / whole) as f32 }
+        Self { nodes: points.iter().zip(&absolute).map(node).collect(), weight: (sum / whole) as f32, integral: whole }
     }
 
     /// A distance from the centre and its weight.

@@ -1,6 +1,8 @@
-//! The picture: reconstruction filters.
+//! The picture: reconstruction filters, sums of samples, and light that is added anywhere.
 
 pub mod filter;
 pub mod pixels;
+pub mod splats;
 
 pub use filter::FilterSampler;
+pub use splats::Splats;

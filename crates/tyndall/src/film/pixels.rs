@@ -18,8 +18,13 @@ impl PixelSum {
     /// Adds one sample.
     #[inline(always)]
     pub fn add(&mut self, sample: Spectrum) {
-        for (channel, value) in sample.to_rgb().into_iter().enumerate() {
-            let value = f64::from(value);
+        self.add_values(sample.to_rgb().map(f64::from));
+    }
+
+    /// Adds one sample, channel by channel.
+    #[inline(always)]
+    pub fn add_values(&mut self, sample: [f64; 3]) {
+        for (channel, value) in sample.into_iter().enumerate() {
             self.sum[channel] += value;
             self.sum_of_squares[channel] += value * value;
         }
@@ -79,6 +84,15 @@ impl Pixels {
             .map(|(x, y)| Tile { x, y, width: TILE.min(width - x), height: TILE.min(height - y) })
             .collect();
         Self { width, height, tiles, sums: vec![PixelSum::default(); width as usize * height as usize] }
+    }
+
+    /// Index among the sums of a picture of that size, of the pixel in a column and row.
+    #[inline(always)]
+    pub fn index((width, height): (u32, u32), x: u32, y: u32) -> usize {
+        let (left, top) = (x - x % TILE, y - y % TILE);
+        let (columns, rows) = (TILE.min(width - left), TILE.min(height - top));
+        let before = top as usize * width as usize + left as usize * rows as usize;
+        before + ((y - top) * columns + (x - left)) as usize
     }
 
     /// Columns.

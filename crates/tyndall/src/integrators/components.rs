@@ -15,17 +15,20 @@ impl Components {
     /// A surface lit straight by an emitter.
     pub const DIRECT: Self = Self(2);
     /// A surface lit over other surfaces or media.
-    pub const INDIRECT: Self = Self(4);
+    pub const INDIRECT: Self = Self(4 | 64);
     /// A surface lit over smooth mirrors and glass.
     pub const CAUSTIC: Self = Self(8);
     /// A medium lit straight, or over smooth mirrors and glass.
     pub const SINGLE: Self = Self(16);
     /// A medium lit over surfaces or media.
-    pub const MULTIPLE: Self = Self(32);
+    pub const MULTIPLE: Self = Self(32 | 128);
+    /// What of indirect light and multiple scattering goes straight from the last scattering but one to the last, rather
+    /// than over smooth mirrors and glass: light that an edge can connect.
+    pub(super) const STRAIGHT: Self = Self(4 | 32);
     /// Nothing.
     pub const NONE: Self = Self(0);
     /// Everything.
-    pub const ALL: Self = Self(63);
+    pub const ALL: Self = Self(255);
 
     /// Every part with its name.
     pub const NAMES: [(&'static str, Self); 6] = [
@@ -96,12 +99,18 @@ pub(super) enum History {
     Surface,
     /// ... then over smooth mirrors and glass.
     SurfaceSpecular,
-    /// From a surface, then scattered again.
+    /// From a surface, then scattered again, ...
     SurfaceScattered,
-    /// From a medium, then at most over smooth mirrors and glass.
+    /// ... with smooth mirrors and glass between.
+    SurfaceSpecularScattered,
+    /// From a medium, ...
     Medium,
-    /// From a medium, then scattered again.
+    /// ... then over smooth mirrors and glass.
+    MediumSpecular,
+    /// From a medium, then scattered again, ...
     MediumScattered,
+    /// ... with smooth mirrors and glass between.
+    MediumSpecularScattered,
 }
 
 impl History {
@@ -116,9 +125,12 @@ impl History {
             (Self::Specular, false) if in_medium => Self::Medium,
             (Self::Specular, false) => Self::Surface,
             (Self::Surface | Self::SurfaceSpecular, true) => Self::SurfaceSpecular,
-            (Self::Surface | Self::SurfaceSpecular | Self::SurfaceScattered, _) => Self::SurfaceScattered,
-            (Self::Medium, true) => Self::Medium,
-            (Self::Medium | Self::MediumScattered, _) => Self::MediumScattered,
+            (Self::Surface, false) => Self::SurfaceScattered,
+            (Self::SurfaceSpecular, false) => Self::SurfaceSpecularScattered,
+            (Self::Medium | Self::MediumSpecular, true) => Self::MediumSpecular,
+            (Self::Medium, false) => Self::MediumScattered,
+            (Self::MediumSpecular, false) => Self::MediumSpecularScattered,
+            (scattered, _) => scattered,
         };
     }
 
@@ -129,10 +141,18 @@ impl History {
             Self::Specular => Components::EMITTED,
             Self::Surface => Components::DIRECT,
             Self::SurfaceSpecular => Components::CAUSTIC,
-            Self::SurfaceScattered => Components::INDIRECT,
-            Self::Medium => Components::SINGLE,
-            Self::MediumScattered => Components::MULTIPLE,
+            Self::SurfaceScattered => Components(4),
+            Self::SurfaceSpecularScattered => Components(64),
+            Self::Medium | Self::MediumSpecular => Components::SINGLE,
+            Self::MediumScattered => Components(32),
+            Self::MediumSpecularScattered => Components(128),
         }
+    }
+
+    /// Whether the last vertex was the first one that is no smooth mirror or glass.
+    #[inline(always)]
+    pub(super) fn leaves_first(self) -> bool {
+        matches!(self, Self::Surface | Self::Medium)
     }
 
     /// The component of light that comes straight from an emitter to the next vertex, `in_medium` or on a surface.
@@ -145,15 +165,13 @@ impl History {
     /// The components that the walk may still find.
     #[inline(always)]
     pub(super) fn reachable(self) -> Components {
-        const SURFACE: Components = Components(2 | 4 | 8);
-        const MEDIUM: Components = Components(16 | 32);
         match self {
             Self::Specular => Components::ALL,
-            Self::Surface => SURFACE,
-            Self::SurfaceSpecular => Components::CAUSTIC.union(Components::INDIRECT),
-            Self::SurfaceScattered => Components::INDIRECT,
-            Self::Medium => MEDIUM,
-            Self::MediumScattered => Components::MULTIPLE,
+            Self::Surface => Components(2 | 4 | 8 | 64),
+            Self::SurfaceSpecular => Components(8 | 64),
+            Self::Medium => Components(16 | 32 | 128),
+            Self::MediumSpecular => Components(16 | 128),
+            scattered => scattered.ends_at_emitter(),
         }
     }
 }

@@ -7,6 +7,7 @@ use super::{
     find, make,
 };
 use crate::Spectrum;
+use crate::film::Splats;
 use crate::film::pixels::PixelSum;
 use crate::photons::TraceError;
 use crate::scene::Scene;
@@ -106,6 +107,10 @@ impl Integrator for Composite {
         self.parts.iter_mut().try_fold(u32::MAX, |serves, part| Ok(serves.min(part.prepare(scene, seed, pass)?)))
     }
 
+    fn splats(&self) -> bool {
+        self.parts.iter().any(|part| part.splats())
+    }
+
     fn counts(&self) -> Counts {
         let add = |a: Counts, b: Counts| Counts {
             light_paths: a.light_paths + b.light_paths,
@@ -114,14 +119,14 @@ impl Integrator for Composite {
         self.parts.iter().map(|part| part.counts()).fold(Counts::default(), add)
     }
 
-    fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum]) -> RareEvents {
+    fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum], splats: &mut Splats) -> RareEvents {
         let mut rare = RareEvents::default();
         let mut sums = vec![PixelSum::default(); pixels.len()];
         for pass in job.passes.clone() {
             let one = Job { passes: pass..pass + 1, ..job.clone() };
             sums.fill(PixelSum::default());
             for part in &self.parts {
-                rare.non_finite += part.render(scene, &one, &mut sums).non_finite;
+                rare.non_finite += part.render(scene, &one, &mut sums, splats).non_finite;
             }
             for (pixel, sum) in pixels.iter_mut().zip(&sums) {
                 pixel.add(Spectrum::from_rgb(sum.sum.map(|c| c as f32)));

@@ -1,13 +1,17 @@
 //! Named algorithms: the one registry.
 
+mod bidirectional;
 pub mod components;
 mod composite;
 pub mod parameters;
 pub mod path;
 mod photon_mapping;
+mod shrinking;
+mod virtual_lights;
 pub mod volpath;
 
 use crate::Spectrum;
+use crate::film::Splats;
 use crate::film::pixels::{PixelSum, Tile};
 use crate::math::{Sampler, Vec2};
 use crate::photons::TraceError;
@@ -60,8 +64,14 @@ pub trait Integrator: Send + Sync {
         Counts::default()
     }
 
-    /// Adds the job's passes to the tile's pixels. The result depends on the job alone.
-    fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum]) -> RareEvents;
+    /// Whether it adds light to pixels anywhere. Its passes are then rendered one by one.
+    fn splats(&self) -> bool {
+        false
+    }
+
+    /// Adds the job's passes to the tile's pixels, and to `splats` what belongs to any pixel. The result depends on the
+    /// job alone.
+    fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum], splats: &mut Splats) -> RareEvents;
 }
 
 /// An entry of the registry.
@@ -107,6 +117,13 @@ pub static REGISTRY: &[IntegratorInfo] = &[
     registry::PVPM,
     registry::PBRE,
     registry::PPB,
+    bidirectional::registry::PTRACER,
+    bidirectional::registry::BDPT,
+    bidirectional::registry::VCM,
+    bidirectional::registry::UPBP,
+    virtual_lights::registry::VPL,
+    virtual_lights::registry::VRL,
+    virtual_lights::registry::VBL,
     composite::INFO,
 ];
 
@@ -124,14 +141,24 @@ pub fn make(desc: &IntegratorDesc) -> Result<Box<dyn Integrator>, ParameterError
     (info.make)(&Parameters::new(info.name, info.parameters, desc)?)
 }
 
-/// Adds one sample of `radiance` per pass to every pixel of the tile: its argument is a position on the whole film, in
-/// pixels.
+/// A sample of a pixel.
+#[derive(Clone, Copy, Debug)]
+struct Sample {
+    /// Position on the whole film, pixels.
+    film: Vec2,
+    /// Index of the pixel on the whole film, row by row.
+    pixel: u64,
+    /// The pass.
+    pass: u32,
+}
+
+/// Adds one sample of `radiance` per pass to every pixel of the tile.
 #[inline(always)]
 fn sample_pixels(
     scene: &Scene,
     job: &Job,
     pixels: &mut [PixelSum],
-    mut radiance: impl FnMut(Vec2, &mut Sampler) -> Spectrum,
+    mut radiance: impl FnMut(Sample, &mut Sampler) -> Spectrum,
 ) -> RareEvents {
     let mut rare = RareEvents::default();
     let (crop_x, crop_y) = scene.crop_origin();
@@ -141,10 +168,11 @@ fn sample_pixels(
         let y = crop_y + job.tile.y + i as u32 / job.tile.width;
         for pass in job.passes.clone() {
             // Keyed by the pixel of the whole film: a crop shows the same samples.
-            let mut sampler = Sampler::new(job.seed, u64::from(y) * width + u64::from(x), pass);
+            let pixel = u64::from(y) * width + u64::from(x);
+            let mut sampler = Sampler::new(job.seed, pixel, pass);
             let (offset, weight) = scene.filter.sample(sampler.vec2());
-            let position = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + offset;
-            let radiance = weight * radiance(position, &mut sampler);
+            let film = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + offset;
+            let radiance = weight * radiance(Sample { film, pixel, pass }, &mut sampler);
             if radiance.is_finite() {
                 sum.add(radiance);
             } else {

@@ -15,6 +15,7 @@ use super::{Integrator, IntegratorInfo, Job, ParameterInfo, RareEvents, path, sa
 use crate::Spectrum;
 use crate::estimators::equiangular::Equiangular;
 use crate::estimators::transport::{Response, connect, departure, respond, samples_emitters};
+use crate::film::Splats;
 use crate::film::pixels::PixelSum;
 use crate::math::{PerLength, PerSolidAngle, Ray, Sampler, Vec2, Vec3};
 use crate::scene::Scene;
@@ -99,6 +100,9 @@ pub struct Options {
     hide_emitters: bool,
     equiangular_legs: u32,
     components: Components,
+    /// A bound on 1/d^2 over the edge of length d between the first two vertices: light over it counts with the part that
+    /// the bound cuts off. 0: with all.
+    bound: f32,
 }
 
 /// A count with -1 for "no limit".
@@ -123,6 +127,32 @@ impl Options {
             hide_emitters: parameters.boolean("hide_emitters"),
             equiangular_legs: if media { depth(parameters, "equiangular_legs")? } else { 0 },
             components: if media { Components::read(parameters)? } else { Components::ALL },
+            bound: 0.0,
+        })
+    }
+
+    /// Emitters seen directly.
+    pub(super) fn emitted(hide_emitters: bool) -> Self {
+        Self {
+            rules: Rules { max_depth: 1, rr_depth: 5, rr_cap: RR_CAP, media: Media::Scatter },
+            hide_emitters,
+            equiangular_legs: 0,
+            components: Components::ALL,
+            bound: 0.0,
+        }
+    }
+
+    /// Beside a method that gives the other components, and of light over the edge between the first two vertices what is
+    /// below `bound` (1/m^2).
+    pub(super) fn beside(parameters: &Parameters, components: Components, bound: f32) -> Result<Self, ParameterError> {
+        let rr_depth = parameters.count("rr_depth", 1, "a whole number from 1")?;
+        let max_depth = depth(parameters, "max_depth")?;
+        Ok(Self {
+            rules: Rules { max_depth, rr_depth, rr_cap: RR_CAP, media: Media::Scatter },
+            hide_emitters: parameters.boolean("hide_emitters"),
+            equiangular_legs: u32::MAX,
+            components,
+            bound,
         })
     }
 
@@ -133,6 +163,7 @@ impl Options {
             hide_emitters: parameters.boolean("hide_emitters"),
             equiangular_legs: 0,
             components: Components::ALL,
+            bound: 0.0,
         }
     }
 }
@@ -158,15 +189,15 @@ impl Integrator for Volpath {
         }
     }
 
-    fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum]) -> RareEvents {
-        sample_pixels(scene, job, pixels, |position, sampler| self.radiance(scene, position, sampler))
+    fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum], _: &mut Splats) -> RareEvents {
+        sample_pixels(scene, job, pixels, |sample, sampler| self.radiance(scene, sample.film, sampler))
     }
 }
 
 impl Volpath {
     /// Radiance arriving at the film position (pixels of the whole film), one sample.
     #[inline]
-    fn radiance(&self, scene: &Scene, film: Vec2, sampler: &mut Sampler) -> Spectrum {
+    pub(super) fn radiance(&self, scene: &Scene, film: Vec2, sampler: &mut Sampler) -> Spectrum {
         let camera = scene.sensor.sample_ray(film, sampler.vec2());
         let mut tracer = Tracer {
             scene,
@@ -176,6 +207,7 @@ impl Volpath {
             flight: None,
             equiangular: false,
             history: History::START,
+            share: 1.0,
         };
         let start =
             Start { ray: camera.ray, length: camera.t_max, medium: scene.camera_medium, throughput: Spectrum::ONE };
@@ -217,9 +249,20 @@ struct Tracer<'a> {
     flight: Option<SampledFlight>,
     equiangular: bool,
     history: History,
+    /// The part of the light over the edge between the first two vertices that counts.
+    share: f32,
 }
 
 impl Tracer<'_> {
+    /// The part of the light that counts if the next vertex lies at `position`.
+    #[inline(always)]
+    fn share_to(&self, position: Vec3) -> f32 {
+        if self.options.bound == 0.0 || !self.history.leaves_first() {
+            return self.share;
+        }
+        (1.0 - self.options.bound * self.last.position.distance_squared(position)).max(0.0)
+    }
+
     /// Whether emission seen after `scatterings` events counts.
     #[inline(always)]
     fn counts(&self, scatterings: u32) -> bool {
@@ -319,7 +362,7 @@ impl Sink for Tracer<'_> {
         let by_emitter = (1.0 - share) * flown.0 * self.scene.lights.pdf_light_point(position, &point).0;
         let by_phase = if light.delta { 0.0 } else { flown.0 * phase.0 * survival };
         let weight = chosen / (chosen + by_emitter + by_phase);
-        self.radiance += scattered * arriving * (weight / (share * equiangular.density(t).0));
+        self.radiance += scattered * arriving * (self.share_to(position) * weight / (share * equiangular.density(t).0));
     }
 
     #[inline]
@@ -345,7 +388,7 @@ impl Sink for Tracer<'_> {
                 self.hit_weight(light, equiangular)
             }
         };
-        self.radiance += hit.throughput * emitted * weight;
+        self.radiance += hit.throughput * emitted * (self.share * weight);
     }
 
     #[inline]
@@ -361,7 +404,7 @@ impl Sink for Tracer<'_> {
             None => 1.0,
             Some(_) => self.hit_weight(self.scene.lights.pdf_escape(escape.direction), 0.0),
         };
-        self.radiance += escape.throughput * emitted * weight;
+        self.radiance += escape.throughput * emitted * (self.share * weight);
     }
 
     #[inline]
@@ -391,13 +434,16 @@ impl Sink for Tracer<'_> {
             _ => 0.0,
         };
         let weight = light.pdf.0 / (direct * light.pdf.0 + walked + equiangular);
-        self.radiance += vertex.throughput * value * arriving * weight;
+        self.radiance += vertex.throughput * value * arriving * (self.share_to(vertex.position) * weight);
     }
 
     #[inline]
     fn scattered(&mut self, vertex: &Vertex, onward: &Onward) -> bool {
         let pdf = onward.pdf;
         let medium = matches!(vertex.scattering, Scattering::Medium { .. });
+        if pdf.is_some() {
+            self.share = self.share_to(vertex.position);
+        }
         self.last = Last {
             position: vertex.position,
             pdf: pdf.filter(|_| samples_emitters(self.scene, vertex)),
@@ -406,6 +452,6 @@ impl Sink for Tracer<'_> {
         };
         self.flight = None;
         self.history.scatter(medium, pdf.is_none());
-        self.options.components.has(self.history.reachable())
+        self.share > 0.0 && self.options.components.has(self.history.reachable())
     }
 }

@@ -38,6 +38,15 @@ impl Kernel {
         norms[DIMENSION - 1] * shape / volume
     }
 
+    /// Extent of a blur of that dimension and radius: length (m), area (m^2) or volume (m^3).
+    pub fn extent(dimension: usize, radius: f32) -> f32 {
+        match dimension {
+            1 => 2.0 * radius,
+            2 => PI * radius * radius,
+            _ => 4.0 / 3.0 * PI * radius * radius * radius,
+        }
+    }
+
     /// Second moment along one axis in units of the squared radius: a blur of radius r adds `m r^2 / 2` times the
     /// Laplacian over the blurred dimensions.
     pub fn second_moment(self, dimension: usize) -> f32 {

@@ -17,4 +17,10 @@ impl Ray {
     pub fn at(&self, t: f32) -> Vec3 {
         self.origin + t * self.direction
     }
+
+    /// The ray from one point towards another, which must not be the same.
+    #[inline]
+    pub fn between(from: Vec3, to: Vec3) -> Self {
+        Self { origin: from, direction: (to - from).normalize() }
+    }
 }

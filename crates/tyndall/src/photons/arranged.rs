@@ -49,6 +49,11 @@ impl<B: Copy + Send + Sync, P: Send> Arranged<B, P> {
         &self.payloads[self.bvh.leaf(leaf).start + lane]
     }
 
+    #[inline(always)]
+    pub(super) fn index(&self, leaf: u32, lane: usize) -> u32 {
+        self.bvh.order()[self.bvh.leaf(leaf).start + lane]
+    }
+
     pub(super) fn len(&self) -> usize {
         self.payloads.len()
     }

@@ -5,8 +5,10 @@ use crate::Spectrum;
 use crate::accel::{Bvh, CurveBuilder};
 use crate::math::lanes::{Row, WIDTH};
 use crate::math::{Aabb, Ray, Vec3};
+use crate::scene::Scene;
 use crate::scene::medium::{Extinction, Medium};
 use crate::walk::flight::Uniform;
+use crate::walk::{Scattering, Vertex};
 use rayon::prelude::*;
 
 /// How the flux of a beam changes along it.
@@ -279,6 +281,35 @@ impl BeamRadius {
     }
 }
 
+/// Flux that is scattered per metre of a beam along `ray`, at the point `x` at distance `s`, watts per metre.
+#[inline(always)]
+fn scattered_flux(flux: Flux, attenuation: Attenuation, ray: &Ray, s: f32, x: Vec3, medium: &Medium) -> Spectrum {
+    let start = flux.unpack();
+    let sigma_s = medium.sigma_s(x) * medium.phase().extinction_factor(x, ray.direction);
+    start * sigma_s * attenuation.at(s, start, ray, medium)
+}
+
+impl Beam {
+    /// The beam as a ray.
+    #[inline]
+    pub fn ray(&self) -> Ray {
+        Ray { origin: self.origin, direction: self.direction }
+    }
+
+    /// The vertex that light's walk would have at distance `s`, if the flight had ended there with a density of 1 per
+    /// metre; `None` for beams outside of media.
+    #[inline]
+    pub fn vertex(&self, scene: &Scene, s: f32) -> Option<Vertex> {
+        let medium = self.tag.medium()?;
+        let ray = self.ray();
+        let position = ray.at(s);
+        let throughput = scattered_flux(self.flux, self.attenuation, &ray, s, position, scene.medium(medium));
+        let scattering = Scattering::Medium { medium };
+        let scatterings = self.tag.scatterings();
+        Some(Vertex { position, direction: self.direction, throughput, scatterings, leg: 0, scattering })
+    }
+}
+
 impl Store for Beams {
     const DIMENSION: u32 = 1;
     type Block = BeamBlock;
@@ -294,6 +325,11 @@ impl Store for Beams {
     }
 
     #[inline(always)]
+    fn index(&self, leaf: u32, lane: usize) -> u32 {
+        self.blocks[leaf as usize].beam[lane & 7]
+    }
+
+    #[inline(always)]
     fn tag(&self, leaf: u32, lane: usize) -> Tag {
         self.payloads[self.blocks[leaf as usize].beam[lane & 7] as usize].tag
     }
@@ -304,9 +340,7 @@ impl Store for Beams {
         let payload = &self.payloads[block.beam[lane & 7] as usize];
         let ray = block.ray(lane);
         let Some(medium) = medium else { return Arriving { direction: ray.direction, flux: Spectrum::ZERO } };
-        let start = payload.flux.unpack();
-        let sigma_s = medium.sigma_s(x) * medium.phase().extinction_factor(x, ray.direction);
-        let flux = start * sigma_s * payload.attenuation.at(s, start, &ray, medium);
+        let flux = scattered_flux(payload.flux, payload.attenuation, &ray, s, x, medium);
         Arriving { direction: ray.direction, flux }
     }
 }

@@ -10,12 +10,14 @@ pub mod packed;
 pub mod plane;
 pub mod point;
 pub mod radii;
+pub mod terms;
 pub mod trace;
 
 pub use beam::{Attenuation, Beam, BeamBlock, BeamRadius, Beams, Width};
 pub use packed::{Flux, Origin, Tag};
 pub use plane::{Plane, PlaneBlock, Planes};
 pub use point::{Photon, PointBlock, Points};
+pub use terms::BeamTerms;
 pub use trace::{Extent, LightPaths, TraceError, Tracing, Wanted};
 
 use crate::Spectrum;
@@ -49,6 +51,8 @@ pub trait Store: Sync {
     fn announce(&self, leaf: u32) {
         prefetch(std::slice::from_ref(self.block(leaf)));
     }
+    /// Number of the datum in the order in which light paths left them.
+    fn index(&self, leaf: u32, lane: usize) -> u32;
     /// What decides whether a datum counts.
     fn tag(&self, leaf: u32, lane: usize) -> Tag;
     /// Light of the datum at its own coordinates `s`, scattered at `x`; `medium` is the one around, `None` on surfaces.

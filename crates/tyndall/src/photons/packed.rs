@@ -67,6 +67,13 @@ impl Tag {
         self.0 & NO_MEDIUM == medium.0 as u32
     }
 
+    /// The medium in which it lies; `None` on surfaces.
+    #[inline]
+    pub fn medium(self) -> Option<MediumId> {
+        let medium = self.0 & NO_MEDIUM;
+        (medium != NO_MEDIUM).then_some(MediumId(medium as usize))
+    }
+
     /// Scatterings since the emitter.
     #[inline(always)]
     pub fn scatterings(self) -> u32 {
@@ -100,9 +107,11 @@ mod tests {
         for origin in [Origin::Direct, Origin::Specular, Origin::Scattered] {
             let tag = Tag::new(Some(MediumId(77)), 1234, origin);
             assert!(tag.is_in(MediumId(77)) && !tag.is_in(MediumId(76)));
+            assert_eq!(tag.medium(), Some(MediumId(77)));
             assert_eq!((tag.scatterings(), tag.origin_bit()), (1234, 1 << origin as u32));
         }
         assert!(!Tag::new(None, 0, Origin::Direct).is_in(MediumId(0)));
+        assert_eq!(Tag::new(None, 0, Origin::Direct).medium(), None);
         assert_eq!(Tag::new(None, u32::MAX, Origin::Scattered).scatterings(), 65535);
     }
 }

@@ -133,6 +133,11 @@ impl Store for Planes {
     }
 
     #[inline(always)]
+    fn index(&self, leaf: u32, lane: usize) -> u32 {
+        self.0.index(leaf, lane)
+    }
+
+    #[inline(always)]
     fn tag(&self, leaf: u32, lane: usize) -> Tag {
         self.0.payload(leaf, lane).tag
     }

@@ -1,14 +1,16 @@
 //! Tracing light paths and keeping what they leave behind.
 
 use super::footprint::Footprint;
-use super::{Attenuation, Beam, Flux, Origin, Photon, Plane, Tag};
+use super::{Attenuation, Beam, BeamTerms, Flux, Origin, Photon, Plane, Tag};
 use crate::Spectrum;
 use crate::math::octahedral::Octahedral;
 use crate::math::{Ray, Sampler, Vec3};
 use crate::scene::Scene;
 use crate::scene::medium::{Extinction, Medium};
 use crate::walk::flight::{self, Uniform};
-use crate::walk::{FromLight, Onward, Profile, Rules, Scattering, Segment, Sink, Start, Vertex, walk};
+use crate::walk::{
+    Account, Arrival, Effort, FromLight, Onward, Profile, Rules, Scattering, Segment, Sink, Start, Vertex, walk,
+};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -28,10 +30,14 @@ pub struct Wanted {
     pub points: bool,
     /// Points on surfaces that have more than delta scattering.
     pub surfaces: bool,
+    /// On surfaces also what comes straight from an emitter.
+    pub direct: bool,
     /// Beams; with planes only those that do not start at a scattering in a medium.
     pub beams: bool,
     /// Planes.
     pub planes: bool,
+    /// Vertices as the walk had them, in media and on surfaces that have more than delta scattering: to be connected with.
+    pub vertices: [bool; 2],
 }
 
 /// What to trace.
@@ -55,6 +61,8 @@ pub struct Tracing {
     pub surface_radius: f32,
     /// What is kept.
     pub wanted: Wanted,
+    /// The techniques for whose weights terms are kept; `None`: none are.
+    pub effort: Option<Effort>,
     /// Memory that all data with their hierarchies may take, bytes.
     pub memory: usize,
 }
@@ -96,6 +104,14 @@ pub struct LightPaths {
     pub beams: Vec<Beam>,
     /// Planes.
     pub planes: Vec<Plane>,
+    /// Vertices.
+    pub vertices: Vec<Vertex>,
+    /// What light's walk carried at the points in media, where it is wanted.
+    pub point_terms: Vec<Arrival>,
+    /// The same at the points on surfaces.
+    pub surface_terms: Vec<Arrival>,
+    /// The same on the legs of the beams.
+    pub beam_terms: Vec<BeamTerms>,
     chunks: Vec<Data>,
 }
 
@@ -106,6 +122,10 @@ struct Data {
     surfaces: Vec<Photon>,
     beams: Vec<Beam>,
     planes: Vec<Plane>,
+    vertices: Vec<Vertex>,
+    point_terms: Vec<Arrival>,
+    surface_terms: Vec<Arrival>,
+    beam_terms: Vec<BeamTerms>,
     profile: Profile,
 }
 
@@ -115,19 +135,26 @@ impl Data {
         self.surfaces.clear();
         self.beams.clear();
         self.planes.clear();
+        self.vertices.clear();
+        self.point_terms.clear();
+        self.surface_terms.clear();
+        self.beam_terms.clear();
     }
 
     fn bytes(&self) -> usize {
         (self.points.len() + self.surfaces.len()) * BYTES[0]
             + self.beams.len() * BYTES[1]
             + self.planes.len() * BYTES[2]
+            + self.vertices.len() * 2 * size_of::<Vertex>()
+            + (self.point_terms.len() + self.surface_terms.len()) * 2 * size_of::<Arrival>()
+            + self.beam_terms.len() * 2 * size_of::<BeamTerms>()
     }
 }
 
 impl LightPaths {
-    /// Points, beams and planes together.
+    /// Points, beams, planes and vertices together.
     pub fn data(&self) -> usize {
-        self.points.len() + self.surfaces.len() + self.beams.len() + self.planes.len()
+        self.points.len() + self.surfaces.len() + self.beams.len() + self.planes.len() + self.vertices.len()
     }
 
     /// Traces. The data depend on the scene and `tracing` alone, not on the number of threads. Memory is re-used.
@@ -157,6 +184,10 @@ impl LightPaths {
         concatenate(&mut self.surfaces, &mut self.chunks, |data| &mut data.surfaces);
         concatenate(&mut self.beams, &mut self.chunks, |data| &mut data.beams);
         concatenate(&mut self.planes, &mut self.chunks, |data| &mut data.planes);
+        concatenate(&mut self.vertices, &mut self.chunks, |data| &mut data.vertices);
+        concatenate(&mut self.point_terms, &mut self.chunks, |data| &mut data.point_terms);
+        concatenate(&mut self.surface_terms, &mut self.chunks, |data| &mut data.surface_terms);
+        concatenate(&mut self.beam_terms, &mut self.chunks, |data| &mut data.beam_terms);
         Ok(())
     }
 }
@@ -183,9 +214,10 @@ fn trace_path(scene: &Scene, tracing: &Tracing, path: u32, data: &mut Data) {
     let Some(emission) = scene.sample_emission(choice, u_position, u_direction) else { return };
     let footprint =
         if tracing.footprints { Footprint::emitted(&emission, tracing.paths) } else { Footprint::default() };
-    let start = Start { ray: emission.ray, length: f32::INFINITY, medium: emission.medium, throughput: emission.flux };
-    let mut deposit =
-        Deposit { scene, tracing, data, origin: Origin::Direct, bent: false, footprint, anchor: start.ray.origin };
+    let start = Start::emitted(&emission);
+    let account = tracing.effort.as_ref().map(|effort| Account::of_light(scene, effort, &emission));
+    let (origin, anchor) = (Origin::Direct, start.ray.origin);
+    let mut deposit = Deposit { scene, tracing, data, origin, bent: false, footprint, anchor, account };
     walk::<FromLight, _>(scene, start, &tracing.rules, &mut sampler, &mut deposit);
 }
 
@@ -201,6 +233,8 @@ struct Deposit<'a> {
     /// What the path shares with its neighbours, and where it was last brought up to date.
     footprint: Footprint,
     anchor: Vec3,
+    /// What the walk carries for weights, where they are wanted.
+    account: Option<Account<'a, FromLight>>,
 }
 
 impl Deposit<'_> {
@@ -225,6 +259,10 @@ impl Deposit<'_> {
 
 impl Sink for Deposit<'_> {
     fn segment(&mut self, segment: &Segment, sampler: &mut Sampler) {
+        let terms = self.account.as_ref().map(|account| BeamTerms::new(account, segment.ray));
+        if let Some(account) = &mut self.account {
+            account.pass(segment);
+        }
         let wanted = self.tracing.wanted;
         let beams = wanted.beams && !(wanted.planes && self.bent);
         if !(beams || wanted.planes) || segment.scatterings + 2 > self.tracing.rules.max_depth {
@@ -235,13 +273,14 @@ impl Sink for Deposit<'_> {
         let medium = self.scene.medium(segment.medium);
         let tag = Tag::new(Some(segment.medium), segment.scatterings, self.origin);
         let planes = wanted.planes && segment.scatterings + 3 <= self.tracing.rules.max_depth;
-        let Data { beams: kept_beams, planes: kept_planes, profile, .. } = &mut *self.data;
+        let Data { beams: kept_beams, planes: kept_planes, beam_terms, profile, .. } = &mut *self.data;
         pieces(medium, segment, self.tracing.extent, profile, sampler, |piece, sampler| {
             let flux = Flux::new(piece.flux);
             let Ray { origin, direction } = piece.ray;
             let (length, attenuation) = (piece.length, piece.attenuation);
             if beams {
                 let width = footprint.width().from(origin.distance(segment.ray.origin));
+                beam_terms.extend(terms);
                 kept_beams.push(Beam { origin, direction, length, flux, attenuation, tag, width });
             }
             if planes {
@@ -253,27 +292,41 @@ impl Sink for Deposit<'_> {
 
     fn vertex(&mut self, vertex: &Vertex, _sampler: &mut Sampler) {
         self.travel_to(vertex.position);
+        let [in_media, on_surfaces] = self.tracing.wanted.vertices;
+        let connects = match &vertex.scattering {
+            Scattering::Medium { .. } => in_media,
+            Scattering::Surface { point, .. } => on_surfaces && self.scene.is_smooth(point.shape),
+        };
+        if connects {
+            self.data.vertices.push(*vertex);
+        }
+        let arrival = self.account.as_mut().map(|account| account.arrive(vertex).arrival);
         match &vertex.scattering {
             Scattering::Medium { medium } if self.tracing.wanted.points => {
                 let tag = Tag::new(Some(*medium), vertex.scatterings, self.origin);
                 let photon = self.photon(vertex, self.tracing.point_radius, tag);
                 self.data.points.push(photon);
+                self.data.point_terms.extend(arrival);
             }
             // What comes straight is left to the camera, which looks for emitters itself.
             Scattering::Surface { point, .. }
                 if self.tracing.wanted.surfaces
-                    && self.origin != Origin::Direct
+                    && (self.origin != Origin::Direct || self.tracing.wanted.direct)
                     && self.scene.is_smooth(point.shape) =>
             {
                 let tag = Tag::new(None, vertex.scatterings, self.origin);
                 let photon = self.photon(vertex, self.tracing.surface_radius, tag);
                 self.data.surfaces.push(photon);
+                self.data.surface_terms.extend(arrival);
             }
             _ => {}
         }
     }
 
     fn scattered(&mut self, vertex: &Vertex, onward: &Onward) -> bool {
+        if let Some(account) = &mut self.account {
+            account.depart(vertex, onward);
+        }
         self.bent = matches!(vertex.scattering, Scattering::Medium { .. });
         self.origin = match (self.origin, onward.pdf) {
             (Origin::Direct | Origin::Specular, None) => Origin::Specular,

@@ -8,13 +8,15 @@ pub use budget::{Budget, Progress};
 pub use checkpoint::CheckpointError;
 pub use picture::Picture;
 
-use crate::film::pixels::Pixels;
+use crate::film::Splats;
+use crate::film::pixels::{PixelSum, Pixels, Tile};
+use crate::film::splats::{Screen, SplatSums};
 use crate::integrators::{self, Counts, Integrator, Job, ParameterError, RareEvents};
 use crate::photons::TraceError;
 use crate::scene::Scene;
 use crate::scene::desc::IntegratorDesc;
 use rayon::prelude::*;
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use std::time::{Duration, Instant};
 
 /// How to render.
@@ -53,6 +55,9 @@ pub enum RenderError {
         reason: String,
     },
 }
+
+/// Tiles rendered before their splats are summed up: enough for all threads, few enough for little memory.
+const SPLATTING_TILES: usize = 256;
 
 /// A picture in the making: passes can be added at any time, and the result never depends on how they were grouped or
 /// on the number of threads.
@@ -139,21 +144,47 @@ impl<'s> Rendering<'s> {
         while self.passes < end {
             let (scene, seed, first) = (self.scene, self.seed, self.passes);
             let serves = self.pool.install(|| self.integrator.prepare(scene, seed, first))?;
+            let serves = if self.integrator.splats() { 1 } else { serves };
             let passes = first..end.min(first.saturating_add(serves));
-            let integrator = &self.integrator;
-            let tiles = self.pixels.tiles_mut();
-            let events: Vec<RareEvents> = self.pool.install(|| {
-                tiles
-                    .into_par_iter()
-                    .with_max_len(1)
-                    .map(|(tile, sums)| integrator.render(scene, &Job { seed, passes: passes.clone(), tile }, sums))
-                    .collect()
-            });
-            self.rare.non_finite += events.iter().map(|e| e.non_finite).sum::<u64>();
+            self.rare.non_finite += self.render_passes(passes.clone());
             self.passes = passes.end;
         }
         self.busy += started.elapsed();
         Ok(())
+    }
+
+    /// Adds passes that share what was prepared. Answers how many samples were not finite.
+    fn render_passes(&mut self, passes: Range<u32>) -> u64 {
+        let Self { scene, integrator, seed, pool, pixels, .. } = self;
+        let (scene, seed) = (*scene, *seed);
+        let screen = Screen { filter: &scene.filter, origin: scene.crop_origin(), size: scene.picture_size() };
+        let render = |tiles: &mut [(Tile, &mut [PixelSum])]| -> Vec<(Splats, RareEvents)> {
+            let job = |tile| Job { seed, passes: passes.clone(), tile };
+            let tiles = tiles.par_iter_mut().with_max_len(1);
+            let rendered = tiles.map(|(tile, sums)| {
+                let mut splats = Splats::new(screen);
+                let events = integrator.render(scene, &job(*tile), sums, &mut splats);
+                (splats, events)
+            });
+            pool.install(|| rendered.collect())
+        };
+        let count = |(splats, events): &(Splats, RareEvents)| splats.non_finite + events.non_finite;
+        if !integrator.splats() {
+            return render(&mut pixels.tiles_mut()).iter().map(count).sum();
+        }
+        // A pixel's sample is what its camera path brings and what light paths of the whole picture add.
+        let mut samples = Pixels::new(pixels.width(), pixels.height());
+        let mut light = SplatSums::new(samples.sums().len());
+        let mut non_finite = 0;
+        for tiles in samples.tiles_mut().chunks_mut(SPLATTING_TILES) {
+            let rendered = render(tiles);
+            rendered.iter().for_each(|(splats, _)| light.add(splats));
+            non_finite += rendered.iter().map(count).sum::<u64>();
+        }
+        for ((pixel, sample), light) in pixels.sums_mut().iter_mut().zip(samples.sums()).zip(light.values()) {
+            pixel.add_values(std::array::from_fn(|c| sample.sum[c] + light[c]));
+        }
+        non_finite
     }
 
     /// Renders until `budget` is spent or `observe` breaks off. `observe` is called after every group of passes, at

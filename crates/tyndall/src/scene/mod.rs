@@ -178,6 +178,11 @@ impl Scene {
         self.bsdfs.null_transmission(self.bsdf_of(point.shape), &self.surface_context(point), wo)
     }
 
+    /// Whether there are smooth mirrors or smooth glass.
+    pub fn any_delta(&self) -> bool {
+        self.attachments.iter().any(|a| self.bsdfs.traits(a.bsdf).delta)
+    }
+
     /// A warning if there are caustics that paths from the camera cannot find, or only rarely: emitters without extent,
     /// or tiny ones, near smooth glass and a medium.
     pub fn hidden_caustics(&self) -> Option<String> {

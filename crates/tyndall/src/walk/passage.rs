@@ -1,10 +1,12 @@
 //! The passage of light between two points.
 
+use super::Edge;
 use super::flight::transmittance;
 use crate::Spectrum;
 use crate::math::{Ray, Rng};
 use crate::scene::Scene;
 use crate::scene::desc::MediumId;
+use crate::scene::medium::Medium;
 use crate::scene::shape::Shadow;
 
 /// What is left of light on a straight way that no opaque surface blocks.
@@ -23,11 +25,39 @@ pub struct Passage {
 #[inline]
 pub fn passage(
     scene: &Scene,
+    ray: Ray,
+    length: f32,
+    medium: Option<MediumId>,
+    media: bool,
+    rng: &mut Rng,
+) -> Option<Passage> {
+    pass(scene, ray, length, medium, media, rng, |_, _, _| ())
+}
+
+/// The same way, all media present, and how likely flights pass it.
+#[inline]
+pub fn edge_passage(
+    scene: &Scene,
+    ray: Ray,
+    length: f32,
+    medium: Option<MediumId>,
+    rng: &mut Rng,
+) -> Option<(Spectrum, Edge)> {
+    let mut edge = Edge::START;
+    let passage = pass(scene, ray, length, medium, true, rng, |inside, ray, length| edge.pass(inside, ray, length))?;
+    Some((passage.transmittance, edge))
+}
+
+/// Follows the way and tells `visit` each stretch inside a medium.
+#[inline(always)]
+fn pass(
+    scene: &Scene,
     mut ray: Ray,
     mut length: f32,
     mut medium: Option<MediumId>,
     media: bool,
     rng: &mut Rng,
+    mut visit: impl FnMut(&Medium, &Ray, f32),
 ) -> Option<Passage> {
     let mut passage = Passage { transmittance: Spectrum::ONE, survival: 1.0 };
     if !media {
@@ -42,6 +72,7 @@ pub fn passage(
         };
         if let Some(inside) = medium {
             let (transmitted, survival) = transmittance(scene.medium(inside), &ray, step, rng);
+            visit(scene.medium(inside), &ray, step);
             passage.transmittance *= transmitted;
             passage.survival *= survival;
         }

@@ -1,8 +1,10 @@
 //! Transmittance along a ray, at every distance at once.
 
-use super::flight::{Next, Uniform, bounds, tentative_collisions};
+use super::Segment;
+use super::flight::{Next, Uniform, bounds, reach, tentative_collisions};
 use crate::Spectrum;
 use crate::math::{Ray, Rng};
+use crate::scene::Scene;
 use crate::scene::medium::{Extinction, Heterogeneous, Medium, Segment as Span};
 use crate::scene::phase::Phase;
 
@@ -44,6 +46,16 @@ impl Profile {
             Extinction::Homogeneous(model) => self.uniform = Some(Uniform::along(model, medium.phase(), ray)),
             Extinction::Heterogeneous(model) => self.track(model, medium.phase(), ray, length, rng),
         }
+    }
+
+    /// Becomes the profile of the part of a camera's segment that lies in reach of its medium, and answers with that part:
+    /// a ray and its length, metres.
+    pub fn trace_segment(&mut self, scene: &Scene, segment: &Segment, rng: &mut Rng) -> Option<(Ray, f32)> {
+        let medium = scene.medium(segment.medium);
+        let (near, far) = reach(medium, segment.ray, segment.length)?;
+        let ray = Ray { origin: segment.ray.at(near), direction: segment.ray.direction };
+        self.trace(medium, &ray, far - near, rng);
+        Some((ray, far - near))
     }
 
     fn track(&mut self, medium: &Heterogeneous, phase: &Phase, ray: &Ray, length: f32, rng: &mut Rng) {

@@ -6,6 +6,7 @@ use crate::math::{PerSolidAngle, Ray, Sampler, Vec3};
 use crate::scene::Scene;
 use crate::scene::bsdf::{SurfaceContext, Transport};
 use crate::scene::desc::MediumId;
+use crate::scene::emitter::Emission;
 use crate::scene::shape::SurfacePoint;
 
 /// Where a walk begins.
@@ -19,6 +20,14 @@ pub struct Start {
     pub medium: Option<MediumId>,
     /// Initial throughput.
     pub throughput: Spectrum,
+}
+
+impl Start {
+    /// Of a light path.
+    #[inline]
+    pub fn emitted(emission: &Emission) -> Self {
+        Self { ray: emission.ray, length: f32::INFINITY, medium: emission.medium, throughput: emission.flux }
+    }
 }
 
 /// Which end of light's path a walk starts from.

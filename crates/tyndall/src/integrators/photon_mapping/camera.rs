@@ -11,10 +11,10 @@ use crate::estimators::query::Filter;
 use crate::estimators::transport::{Response, connect, departure, respond};
 use crate::estimators::{BeamQuery, PointQuery, Query, SurfaceQuery, gather};
 use crate::integrators::components::Components;
-use crate::math::{PerSolidAngle, Ray, Sampler, Vec2, Vec3};
+use crate::math::{PerSolidAngle, Sampler, Vec2, Vec3};
 use crate::photons::Origin;
 use crate::scene::Scene;
-use crate::walk::{Escape, FromCamera, Onward, Scattering, Segment, Sink, Start, SurfaceHit, Vertex, flight, walk};
+use crate::walk::{Escape, FromCamera, Onward, Scattering, Segment, Sink, Start, SurfaceHit, Vertex, walk};
 
 /// Bits of origins, as in `Tag::origin_bit`.
 const STRAIGHT: u32 = 1 << Origin::Direct as u32;
@@ -217,22 +217,19 @@ impl Sink for Gatherer<'_> {
         {
             return;
         }
-        let medium = self.scene.medium(segment.medium);
-        let Some((near, far)) = flight::reach(medium, segment.ray, segment.length) else { return };
-        let ray = Ray { origin: segment.ray.at(near), direction: segment.ray.direction };
-        let length = far - near;
         let mut profile = std::mem::take(&mut self.scratch.profile);
-        profile.trace(medium, &ray, length, sampler.rng());
-        let query = BeamQuery {
-            scene: self.scene,
-            medium: segment.medium,
-            probe: BeamProbe { ray, length },
-            throughput: segment.throughput,
-            profile: &profile,
-            filter: self.filter(segment.scatterings, origins),
-        };
-        if let Some(found) = self.gather_in_medium(&query, sampler) {
-            self.gathered += found.radiance;
+        if let Some((ray, length)) = profile.trace_segment(self.scene, segment, sampler.rng()) {
+            let query = BeamQuery {
+                scene: self.scene,
+                medium: segment.medium,
+                probe: BeamProbe { ray, length },
+                throughput: segment.throughput,
+                profile: &profile,
+                filter: self.filter(segment.scatterings, origins),
+            };
+            if let Some(found) = self.gather_in_medium(&query, sampler) {
+                self.gathered += found.radiance;
+            }
         }
         self.scratch.profile = profile;
     }

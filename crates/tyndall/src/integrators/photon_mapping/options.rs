@@ -132,48 +132,48 @@ const fn parameter(
 }
 
 /// Declarations that the registry puts together.
-pub(super) mod declared {
+pub(in crate::integrators) mod declared {
     use super::*;
     use ParameterKind::{Boolean, Bytes, Choice, Float, Integer};
 
-    pub(in super::super) const fn photons(default: &'static str) -> ParameterInfo {
+    pub(in crate::integrators) const fn photons(default: &'static str) -> ParameterInfo {
         parameter("photons", Integer, default, "", "Light paths of a set.")
     }
-    pub(in super::super) const RADIUS: ParameterInfo =
+    pub(in crate::integrators) const RADIUS: ParameterInfo =
         parameter("radius", Float, "0", "m", "Radius of the blur in media; 0 follows from the density of the light.");
-    pub(in super::super) const SURFACE_RADIUS: ParameterInfo = parameter(
+    pub(in crate::integrators) const SURFACE_RADIUS: ParameterInfo = parameter(
         "surface_radius",
         Float,
         "0",
         "m",
         "Radius of the blur on surfaces; 0 follows from the density of the light.",
     );
-    pub(in super::super) const BLUR: ParameterInfo =
+    pub(in crate::integrators) const BLUR: ParameterInfo =
         parameter("blur", Float, "1", "", "Factor of the radii that follow from the density of the light.");
-    pub(in super::super) const KERNEL: ParameterInfo = parameter(
+    pub(in crate::integrators) const KERNEL: ParameterInfo = parameter(
         "kernel",
         Choice(&["constant", "epanechnikov", "biweight"]),
         "epanechnikov",
         "",
         "Shape of the blur.",
     );
-    pub(in super::super) const ABSORPTION: ParameterInfo = parameter(
+    pub(in crate::integrators) const ABSORPTION: ParameterInfo = parameter(
         "absorption",
         Choice(&["analogue", "weight"]),
         "analogue",
         "",
         "Whether absorption ends light paths, which keeps their flux equal, or lowers their flux.",
     );
-    pub(in super::super) const REUSE: ParameterInfo =
+    pub(in crate::integrators) const REUSE: ParameterInfo =
         parameter("reuse", Integer, "1", "", "Passes that share a set of light paths; 0 is all.");
-    pub(in super::super) const ALPHA: ParameterInfo = parameter(
+    pub(in crate::integrators) const ALPHA: ParameterInfo = parameter(
         "alpha",
         Float,
         "0",
         "",
         "How slowly the radius shrinks, in (0, 1); 0 takes the best for the blur's dimension, 4 / (dimension + 4).",
     );
-    pub(in super::super) const fn neighbours(default: &'static str) -> ParameterInfo {
+    pub(in crate::integrators) const fn neighbours(default: &'static str) -> ParameterInfo {
         parameter(
             "neighbours",
             Integer,
@@ -182,14 +182,14 @@ pub(super) mod declared {
             "Photons within a radius, which adapts it to their density; 0 takes one radius for all.",
         )
     }
-    pub(in super::super) const EXTENT: ParameterInfo = parameter(
+    pub(in crate::integrators) const EXTENT: ParameterInfo = parameter(
         "extent",
         Choice(&["short", "long"]),
         "short",
         "",
         "Whether beams end with the flight that was sampled or run on to the next surface.",
     );
-    pub(in super::super) const FOOTPRINT: ParameterInfo = parameter(
+    pub(in crate::integrators) const FOOTPRINT: ParameterInfo = parameter(
         "footprint",
         Float,
         "0",
@@ -197,20 +197,20 @@ pub(super) mod declared {
         "Width of beams in units of their distance to their neighbours (photon differentials), up to the radius; 0 gives \
          all the radius.",
     );
-    pub(in super::super) const STEPS: ParameterInfo =
+    pub(in crate::integrators) const STEPS: ParameterInfo =
         parameter("steps", Integer, "32", "", "Points on each stretch of a ray inside a medium.");
-    pub(in super::super) const JITTER: ParameterInfo =
+    pub(in crate::integrators) const JITTER: ParameterInfo =
         parameter("jitter", Boolean, "true", "", "Whether the points of a ray are shifted at random; else they band.");
-    pub(in super::super) const FINAL_GATHER: ParameterInfo = parameter(
+    pub(in crate::integrators) const FINAL_GATHER: ParameterInfo = parameter(
         "final_gather",
         Boolean,
         "false",
         "",
         "Whether indirect light of surfaces is gathered one bounce farther away.",
     );
-    pub(in super::super) const MEMORY: ParameterInfo =
+    pub(in crate::integrators) const MEMORY: ParameterInfo =
         parameter("memory", Bytes, "4G", "bytes", "Most memory that light paths may take.");
-    pub(in super::super) const fn estimator(default: &'static str) -> ParameterInfo {
+    pub(in crate::integrators) const fn estimator(default: &'static str) -> ParameterInfo {
         parameter("estimator", Choice(&Estimator::NAMES), default, "", "Query, data and dimension of the blur.")
     }
 }

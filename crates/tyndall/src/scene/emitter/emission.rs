@@ -93,6 +93,21 @@ impl EmissionTable {
         let (emitter, sum) = self.choices[index];
         Some((emitter, ((sum - below) / total) as f32))
     }
+
+    /// Probability that an emitter is chosen.
+    #[inline]
+    pub(super) fn probability(&self, emitter: EmitterId) -> f32 {
+        let Ok(index) = self.choices.binary_search_by_key(&emitter, |(id, _)| *id) else { return 0.0 };
+        let below = if index == 0 { 0.0 } else { self.choices[index - 1].1 };
+        let total = self.choices[self.choices.len() - 1].1;
+        ((self.choices[index].1 - below) / total) as f32
+    }
+
+    /// Density per area of the places on the disk through which light from infinity enters.
+    #[inline]
+    pub(super) fn disk_density(&self) -> PerArea {
+        PerArea(FRAC_1_PI / (self.disk_radius * self.disk_radius))
+    }
 }
 
 impl Lights {
@@ -159,7 +174,7 @@ impl Lights {
         let radius = self.emission.disk_radius;
         let frame = Frame::from_normal(direction);
         let at = radius * warp::square_to_disk(u);
-        let position_density = PerArea(FRAC_1_PI / (radius * radius));
+        let position_density = self.emission.disk_density();
         Emission {
             ray: Ray { origin: self.centre + frame.to_world(at.extend(-radius)), direction },
             flux: radiance / (direction_density.0 * position_density.0),

@@ -210,7 +210,7 @@ impl Lights {
     }
 
     #[inline]
-    fn pdf_point(&self, from: Vec3, shape: u32, position: Vec3, normal: Vec3) -> PerSolidAngle {
+    pub(super) fn pdf_point(&self, from: Vec3, shape: u32, position: Vec3, normal: Vec3) -> PerSolidAngle {
         match self.of_shape(shape) {
             Some(emitter) if (from - position).dot(normal) > 0.0 => {
                 shapes::pdf_from(&self.geometry, shape, from, position, normal)

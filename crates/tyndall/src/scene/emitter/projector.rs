@@ -71,6 +71,14 @@ impl Projector {
         }
     }
 
+    /// Density with which [`Projector::emit`] finds the unit vector `direction`.
+    #[inline]
+    pub fn density(&self, direction: Vec3) -> PerSolidAngle {
+        let d = self.to_world.inverse_vector(direction).normalize();
+        let inside = d.z > 0.0 && (Vec2::new(d.x, d.y) / (d.z * self.half_size)).abs().max_element() <= 1.0;
+        PerSolidAngle(if inside { 1.0 / (self.area() * d.z * d.z * d.z) } else { 0.0 })
+    }
+
     /// Power, W.
     pub fn power(&self) -> Spectrum {
         let white = Spectrum::grey(self.scale * self.area());

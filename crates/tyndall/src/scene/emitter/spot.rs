@@ -79,11 +79,7 @@ impl Spot {
     #[inline]
     pub fn emit(&self, u: Vec2) -> Departure {
         let (beam, cutoff) = (f64::from(self.beam), f64::from(self.cutoff));
-        // One minus the cosine, which keeps narrow cones accurate.
-        let fall = |angle: f64| 2.0 * (0.5 * angle).sin().powi(2);
-        let (inner, outer) = (fall(beam), fall(cutoff));
-        let falls = outer <= 1.0;
-        let rim = if falls { 0.5 * (outer - inner) } else { outer - inner };
+        let Cone { inner, outer, falls, rim } = self.cone();
         let x = f64::from(u.x) * (inner + rim);
         let (fall, density, factor) = if x < inner {
             (x, 1.0, 1.0)
@@ -105,6 +101,27 @@ impl Spot {
             flux: self.intensity * texture * (factor * solid_angle) as f32,
             density: PerSolidAngle((1.0 / solid_angle) as f32),
         }
+    }
+
+    /// Density with which [`Spot::emit`] finds the unit vector `direction`.
+    #[inline]
+    pub fn density(&self, direction: Vec3) -> PerSolidAngle {
+        let Cone { inner, outer, falls, rim } = self.cone();
+        let d = self.to_world.inverse_vector(direction);
+        let angle = d.x.hypot(d.y).atan2(d.z);
+        if angle > self.cutoff {
+            return PerSolidAngle(0.0);
+        }
+        let fall = fall(f64::from(angle));
+        let height = if fall > inner && falls { (outer - fall) / (outer - inner) } else { 1.0 };
+        PerSolidAngle((height / (TAU * (inner + rim))) as f32)
+    }
+
+    #[inline]
+    fn cone(&self) -> Cone {
+        let (inner, outer) = (fall(f64::from(self.beam)), fall(f64::from(self.cutoff)));
+        let falls = outer <= 1.0;
+        Cone { inner, outer, falls, rim: if falls { 0.5 * (outer - inner) } else { outer - inner } }
     }
 
     /// Power, W.
@@ -129,4 +146,22 @@ impl Spot {
             theta_e: self.cutoff - self.beam,
         }
     }
+}
+
+/// How directions are chosen, by one minus their cosine.
+struct Cone {
+    /// Up to here all alike ...
+    inner: f64,
+    /// ... and up to here less and less.
+    outer: f64,
+    /// Whether the density falls linearly between the two.
+    falls: bool,
+    /// Extent of the part between in units of the density inside.
+    rim: f64,
+}
+
+/// One minus the cosine of an angle, which keeps narrow cones accurate.
+#[inline]
+fn fall(angle: f64) -> f64 {
+    2.0 * (0.5 * angle).sin().powi(2)
 }

@@ -68,6 +68,17 @@ pub struct Projection {
     pub pixels_per_area: f32,
 }
 
+/// Density of a camera's rays in the directions or places where it is one sample for each pixel.
+#[derive(Clone, Copy, Debug)]
+pub struct RayDensity {
+    /// The point of the lens that the ray comes from, metres.
+    pub lens: Vec3,
+    /// Density of the direction at the lens, 1/sr; per area across the ray (1/m^2) where all rays are parallel.
+    pub density: f32,
+    /// Whether all rays are parallel.
+    pub parallel: bool,
+}
+
 /// A camera, ready to make rays.
 #[derive(Clone, Debug)]
 pub struct Sensor {
@@ -146,6 +157,23 @@ impl Sensor {
         let origin = self.to_world.point((start + self.near * slope).extend(self.near));
         let direction = self.to_world.vector(slope.extend(1.0)).normalize();
         CameraRay { ray: Ray { origin, direction }, t_max: (self.far - self.near) * slope.extend(1.0).length() }
+    }
+
+    /// How densely rays like `ray`, which the camera made, lie when every pixel takes one sample.
+    #[inline]
+    pub fn ray_density(&self, ray: &Ray) -> RayDensity {
+        let pixels = 1.0 / (self.pixel.x * self.pixel.y);
+        match self.lens {
+            Lens::Orthographic => {
+                let sides = self.to_world.vector(Vec3::X).cross(self.to_world.vector(Vec3::Y));
+                RayDensity { lens: ray.origin, density: pixels / sides.dot(ray.direction).abs(), parallel: true }
+            }
+            Lens::Pinhole | Lens::Thin { .. } => {
+                let slant = 1.0 / self.to_world.inverse_vector(ray.direction).z;
+                let lens = ray.origin - self.near * slant * ray.direction;
+                RayDensity { lens, density: pixels * slant * slant * slant, parallel: false }
+            }
+        }
     }
 
     /// Where `x` appears through the point of the lens that `u_lens` chooses; `None` when it lies outside the clipping

@@ -1,0 +1,9 @@
+//! Bidirectional methods: against closed forms and against path tracing.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod closed_forms;
+mod merging;
+mod reciprocity;
+mod weights;

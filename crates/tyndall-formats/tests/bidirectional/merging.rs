@@ -1,0 +1,83 @@
+//! Merging and joining together against path tracing, and against photon beams where path tracing finds nothing.
+
+use crate::common::integrator;
+use crate::reciprocity;
+use std::path::Path;
+use tyndall::{Rendering, Scene, Settings};
+use tyndall_formats::mitsuba;
+
+/// Mean over the picture and all channels, and its standard error from `batches` renders of different seeds. (Pixels share
+/// the light paths of a pass.)
+fn picture_mean(scene: &Scene, name: &str, set: &[(&str, &str)], passes: u32, batches: u64) -> (f64, f64) {
+    let set: Vec<_> = set.iter().map(|(k, v)| (*k, v.to_string())).collect();
+    let means: Vec<f64> = (0..batches)
+        .map(|seed| {
+            let settings =
+                Settings { integrator: Some(integrator(name, &set)), seed: Some(1 + seed), ..Settings::default() };
+            let mut rendering = Rendering::new(scene, &settings).unwrap_or_else(|e| panic!("{name}: {e}"));
+            rendering.add_passes(passes).unwrap();
+            assert_eq!(rendering.rare_events().non_finite, 0, "{name}");
+            let picture = rendering.picture();
+            picture.as_slice().iter().map(|v| f64::from(*v)).sum::<f64>() / picture.as_slice().len() as f64
+        })
+        .collect();
+    let n = batches as f64;
+    let mean = means.iter().sum::<f64>() / n;
+    let variance = means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    (mean, (variance / n).sqrt())
+}
+
+/// Within three standard errors and half a per cent, which the blur may add.
+fn agree(what: &str, (mean, sigma): (f64, f64), (truth, of_truth): (f64, f64)) {
+    let (off, noise) = (mean / truth - 1.0, sigma.hypot(of_truth) / truth);
+    println!("{what}: {:+.2} +- {:.2} %", 100.0 * off, 100.0 * noise);
+    assert!(off.abs() < 0.005 + 3.0 * noise, "{what}: {:+.2} +- {:.2} %", 100.0 * off, 100.0 * noise);
+}
+
+const PHOTONS: [(&str, &str); 4] =
+    [("photons", "3000"), ("beams", "600"), ("radius", "0.03"), ("surface_radius", "0.03")];
+
+#[test]
+fn pictures_of_path_tracing() {
+    for (name, scene) in reciprocity::scenes() {
+        if !["pinhole", "spot", "constant", "rough glass"].contains(&name) {
+            continue;
+        }
+        let depth = ("max_depth", "5");
+        let truth = picture_mean(&scene, "volpath", &[depth], 64, 8);
+        for techniques in ["bpt,surf,pp3d,bp2d,bb1d", "bpt,surf", "bpt,bb1d"] {
+            let set = [&[depth, ("techniques", techniques)], &PHOTONS[..]].concat();
+            agree(&format!("{name}, {techniques}"), picture_mean(&scene, "upbp", &set, 24, 8), truth);
+        }
+    }
+}
+
+/// A scene of the references as a smaller picture.
+fn reference(name: &str) -> Scene {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/references").join(name);
+    let mut desc = mitsuba::read(&path, &mitsuba::Options::default()).unwrap_or_else(|e| panic!("{name}: {e}")).scene;
+    (desc.film.width, desc.film.height) = (24, 24);
+    Scene::build(&desc).unwrap_or_else(|e| panic!("{name}: {e}"))
+}
+
+#[test]
+fn heterogeneous_and_nested_media() {
+    for name in ["grid.xml", "grid-colour.xml", "glass-in-fog.xml"] {
+        let scene = reference(name);
+        let depth = ("max_depth", "6");
+        let truth = picture_mean(&scene, "volpath", &[depth], 128, 8);
+        let set = [&[depth], &PHOTONS[..]].concat();
+        agree(name, picture_mean(&scene, "upbp", &set, 32, 8), truth);
+    }
+}
+
+/// A point light, glass and fog: what path tracing cannot find, merging can.
+#[test]
+fn caustics_are_those_of_photon_beams() {
+    let scene = reciprocity::glass_in_fog();
+    let depth = ("max_depth", "5");
+    let ppb = [depth, ("photons", "2000"), ("radius", "0.02"), ("surface_radius", "0.03")];
+    let truth = picture_mean(&scene, "ppb", &ppb, 48, 8);
+    let set = [&[depth], &PHOTONS[..]].concat();
+    agree("glass in fog", picture_mean(&scene, "upbp", &set, 48, 8), truth);
+}

@@ -1,0 +1,129 @@
+//! The camera's walk, joined with emitters and with light's vertices.
+
+use super::light::LightVertex;
+use super::merging::Merger;
+use super::options::Options;
+use crate::Spectrum;
+use crate::estimators::connect::join;
+use crate::estimators::transport::{SHORT_OF, departure, is_smooth, turn};
+use crate::math::{Ray, Sampler, Vec2};
+use crate::mis::{self, Lit};
+use crate::scene::Scene;
+use crate::scene::emitter::LightEnd;
+use crate::walk::{
+    Account, Effort, End, Escape, FromCamera, Onward, Segment, Sink, Start, SurfaceHit, Vertex, edge_passage, walk,
+};
+
+/// The sink that turns a camera's walk into radiance.
+pub(super) struct CameraPath<'a> {
+    scene: &'a Scene,
+    options: &'a Options,
+    effort: &'a Effort,
+    light: &'a [LightVertex],
+    merger: Merger<'a>,
+    radiance: Spectrum,
+    account: Account<'a, FromCamera>,
+}
+
+impl<'a> CameraPath<'a> {
+    /// Radiance arriving at the film position (pixels of the whole film), one sample, with light's vertices to join.
+    pub(super) fn radiance(
+        scene: &'a Scene,
+        options: &'a Options,
+        effort: &'a Effort,
+        light: &'a [LightVertex],
+        merger: Merger<'a>,
+        film: Vec2,
+        sampler: &mut Sampler,
+    ) -> Spectrum {
+        let camera = scene.sensor.sample_ray(film, sampler.vec2());
+        let account = Account::of_camera(scene, effort, &camera.ray);
+        let mut path = Self { scene, options, effort, light, merger, radiance: Spectrum::ZERO, account };
+        let start =
+            Start { ray: camera.ray, length: camera.t_max, medium: scene.camera_medium, throughput: Spectrum::ONE };
+        walk::<FromCamera, _>(scene, start, &options.rules, sampler, &mut path);
+        path.radiance
+    }
+
+    /// Light that the walk runs into, at the end seen from `x`.
+    fn add_hit(&mut self, scatterings: u32, seen: Spectrum, end: &LightEnd) {
+        let hidden = self.options.hide_emitters && scatterings == 0;
+        if scatterings >= self.options.rules.max_depth || hidden || seen.is_black() {
+            return;
+        }
+        if scatterings == 0 {
+            self.radiance += seen;
+            return;
+        }
+        let lights = &self.scene.lights;
+        let lit =
+            Lit { density: lights.end_density(end), sampled: lights.sampled_density(self.account.leg.start, end) };
+        let Account { leg, edge, .. } = &self.account;
+        let spread = if lit.density.parallel { 1.0 } else { leg.spread(end.position) };
+        self.radiance += seen * (self.effort.connect * mis::weigh_hit(&lit, leg, edge, spread));
+    }
+
+    /// Light from a sampled emitter.
+    fn add_sampled(&mut self, vertex: &Vertex, camera: &End, sampler: &mut Sampler) {
+        let lights = &self.scene.lights;
+        let Some(light) = lights.sample(vertex.position, sampler.f32(), sampler.vec2()) else { return };
+        let turn = turn::<FromCamera>(self.scene, vertex, light.direction);
+        if turn.value.is_black() {
+            return;
+        }
+        let (origin, medium) = departure(self.scene, vertex, light.direction);
+        let ray = Ray { origin, direction: light.direction };
+        let length = light.distance * SHORT_OF;
+        let Some((transmittance, edge)) = edge_passage(self.scene, ray, length, medium, sampler.rng()) else { return };
+        let end = LightEnd::of_sample(&light, lights);
+        let lit = Lit { density: lights.end_density(&end), sampled: lights.sampled_density(vertex.position, &end) };
+        let distance2 = light.distance * light.distance;
+        let weight = mis::weigh_sampled(self.effort, &lit, camera, light.direction, &turn, &edge, distance2);
+        let arriving = light.radiance * transmittance / light.pdf.0;
+        self.radiance += vertex.throughput * turn.value * arriving * weight;
+    }
+
+    /// Light from the vertices of light's walk.
+    fn add_joined(&mut self, vertex: &Vertex, camera: &End, sampler: &mut Sampler) {
+        let Some(room) = self.options.rules.max_depth.checked_sub(vertex.scatterings + 3) else { return };
+        for light in self.light.iter().take_while(|light| light.vertex.scatterings <= room) {
+            let Some(join) = join(self.scene, &light.vertex, vertex, sampler.rng()) else { continue };
+            let weight = mis::weigh_join(self.effort, &light.end, camera, &join);
+            self.radiance += vertex.throughput * light.vertex.throughput * join.value * weight;
+        }
+    }
+}
+
+impl Sink for CameraPath<'_> {
+    fn segment(&mut self, segment: &Segment, sampler: &mut Sampler) {
+        self.radiance += self.merger.along(segment, &self.account, sampler);
+        self.account.pass(segment);
+    }
+
+    fn surface(&mut self, hit: &SurfaceHit) {
+        if self.scene.is_emitter(hit.point.shape) {
+            let lights = &self.scene.lights;
+            let end = LightEnd::of_hit(hit.point, hit.direction, lights);
+            self.add_hit(hit.scatterings, hit.throughput * lights.radiance_surface(hit.point, hit.direction), &end);
+        }
+    }
+
+    fn escape(&mut self, escape: &Escape) {
+        let seen = escape.throughput * self.scene.lights.radiance_escape(escape.direction);
+        self.add_hit(escape.scatterings, seen, &LightEnd::of_escape(escape.direction));
+    }
+
+    fn vertex(&mut self, vertex: &Vertex, sampler: &mut Sampler) {
+        let end = self.account.arrive(vertex);
+        self.radiance += self.merger.at(vertex, &end, sampler);
+        if self.effort.connect > 0.0 && is_smooth(self.scene, vertex) {
+            self.add_sampled(vertex, &end, sampler);
+            self.add_joined(vertex, &end, sampler);
+        }
+    }
+
+    fn scattered(&mut self, vertex: &Vertex, onward: &Onward) -> bool {
+        self.account.depart(vertex, onward);
+        true
+    }
+}

@@ -1,0 +1,166 @@
+//! Merging of the camera's walk with the data of light's.
+
+use super::stores::Stores;
+use crate::Spectrum;
+use crate::estimators::merge::{
+    BeamBeam1D, BeamPoint2D, BeamProbe, PointPoint3D, PointProbe, SurfacePoint2D, SurfaceProbe,
+};
+use crate::estimators::query::Filter;
+use crate::estimators::transport::turn;
+use crate::estimators::{BeamQuery, Meet, PointQuery, SurfaceQuery, gather};
+use crate::math::{Kernel, PerSolidAngle, Ray, Sampler, Vec3};
+use crate::mis::{Meeting, Merging, Weighed, weigh_merge};
+use crate::scene::Scene;
+use crate::scene::desc::MediumId;
+use crate::walk::{Account, Arrival, End, FromCamera, Leg, Profile, Scattering, Segment, Vertex, flight};
+
+/// Data of all origins.
+const ALL: u32 = u32::MAX;
+
+/// Merges one camera path.
+pub(super) struct Merger<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) stores: &'a Stores,
+    pub(super) kernel: Kernel,
+    pub(super) max_depth: u32,
+    pub(super) profile: &'a mut Profile,
+}
+
+/// Both walks at a place in a medium.
+#[inline(always)]
+fn meeting(scene: &Scene, medium: MediumId, x: Vec3, light: Arrival, camera: Arrival, d: [Vec3; 2]) -> Meeting {
+    let phase = scene.medium(medium).phase();
+    let [by_light, by_camera] = d;
+    Meeting {
+        light,
+        camera,
+        onward: PerSolidAngle(phase.eval(x, by_light, -by_camera)),
+        back: PerSolidAngle(phase.eval(x, by_camera, -by_light)),
+        sin: by_light.cross(by_camera).length(),
+    }
+}
+
+impl Merger<'_> {
+    #[inline(always)]
+    fn filter(&self, scatterings: u32) -> Option<Filter> {
+        let max_scatterings = self.max_depth.checked_sub(scatterings + 2)?;
+        Some(Filter { max_scatterings, origins: ALL })
+    }
+
+    /// Along a stretch of a medium that the walk is about to pass.
+    pub(super) fn along(
+        &mut self,
+        segment: &Segment,
+        account: &Account<FromCamera>,
+        sampler: &mut Sampler,
+    ) -> Spectrum {
+        let Self { scene, stores, kernel, .. } = *self;
+        let effort = &stores.effort;
+        let mut radiance = Spectrum::ZERO;
+        let Some(filter) = self.filter(segment.scatterings) else { return radiance };
+        if effort.beam_point + effort.beam_beam == 0.0 {
+            return radiance;
+        }
+        let medium = scene.medium(segment.medium);
+        let Some((near, far)) = flight::reach(medium, segment.ray, segment.length) else { return radiance };
+        let ray = Ray { origin: segment.ray.at(near), direction: segment.ray.direction };
+        self.profile.trace(medium, &ray, far - near, sampler.rng());
+        let beam = || BeamQuery {
+            scene,
+            medium: segment.medium,
+            probe: BeamProbe { ray, length: far - near },
+            throughput: segment.throughput,
+            profile: self.profile,
+            filter,
+        };
+        let Account { leg, edge, .. } = account;
+        let camera_at = |t: f32| {
+            let mut edge = *edge;
+            edge.pass(medium, segment.ray, near + t);
+            let spread = Leg::spread(leg, ray.at(t));
+            leg.arrive::<FromCamera>(&edge, spread, 1.0, true)
+        };
+        let weigh = |technique, light: Arrival, t: f32, x: Vec3, direction: Vec3| {
+            let met = meeting(scene, segment.medium, x, light, camera_at(t), [direction, ray.direction]);
+            weigh_merge(effort, technique, &met)
+        };
+        if effort.beam_point > 0.0 {
+            let terms = &stores.points.point_terms;
+            let query = Weighed {
+                query: beam(),
+                weight: |datum: u32, meet: &Meet, x: Vec3, direction: Vec3| {
+                    weigh(Merging::BeamPoint, terms[datum as usize], meet.t, x, direction)
+                },
+            };
+            let found = gather(&BeamPoint2D { kernel }, &query, &stores.for_beams, sampler.rng());
+            radiance += found.radiance / stores.paths[0];
+        }
+        if effort.beam_beam > 0.0 {
+            let terms = &stores.beams.beam_terms;
+            let query = Weighed {
+                query: beam(),
+                weight: |datum: u32, meet: &Meet, x: Vec3, direction: Vec3| {
+                    let light = terms[datum as usize].arrive(scene, effort, segment.medium, x);
+                    weigh(Merging::BeamBeam, light, meet.t, x, direction)
+                },
+            };
+            let found = gather(&BeamBeam1D { kernel }, &query, &stores.arranged_beams, sampler.rng());
+            radiance += found.radiance / stores.paths[1];
+        }
+        radiance
+    }
+
+    /// At a vertex.
+    pub(super) fn at(&self, vertex: &Vertex, end: &End, sampler: &mut Sampler) -> Spectrum {
+        let Self { scene, stores, kernel, .. } = *self;
+        let effort = &stores.effort;
+        let Some(filter) = self.filter(vertex.scatterings) else { return Spectrum::ZERO };
+        let found = match &vertex.scattering {
+            Scattering::Medium { medium } if effort.point_point > 0.0 => {
+                let inside = scene.medium(*medium);
+                let sigma_s = inside.sigma_s(vertex.position)
+                    * inside.phase().extinction_factor(vertex.position, vertex.direction);
+                // The flux of a point has been scattered already: the camera's flight only counts its transmittance.
+                let throughput = vertex.throughput.over(sigma_s);
+                let terms = &stores.points.point_terms;
+                let query = Weighed {
+                    query: PointQuery {
+                        scene,
+                        medium: *medium,
+                        probe: PointProbe { position: vertex.position },
+                        direction: vertex.direction,
+                        throughput,
+                        filter,
+                    },
+                    weight: |datum: u32, _: &Meet, x: Vec3, direction: Vec3| {
+                        let light = terms[datum as usize];
+                        let met = meeting(scene, *medium, x, light, end.arrival, [direction, vertex.direction]);
+                        weigh_merge(effort, Merging::PointPoint, &met)
+                    },
+                };
+                gather(&PointPoint3D { kernel }, &query, &stores.for_points, sampler.rng())
+            }
+            Scattering::Surface { point, .. } if effort.surface > 0.0 && end.corner.merges => {
+                let terms = &stores.points.surface_terms;
+                let query = Weighed {
+                    query: SurfaceQuery {
+                        scene,
+                        probe: SurfaceProbe { position: point.position, normal: point.normal },
+                        vertex,
+                        filter,
+                    },
+                    weight: |datum: u32, _: &Meet, _: Vec3, direction: Vec3| {
+                        let turn = turn::<FromCamera>(scene, vertex, -direction);
+                        let (onward, back) = (turn.reverse, turn.pdf);
+                        let light = terms[datum as usize];
+                        let met = Meeting { light, camera: end.arrival, onward, back, sin: 0.0 };
+                        weigh_merge(effort, Merging::Surface, &met)
+                    },
+                };
+                gather(&SurfacePoint2D { kernel }, &query, &stores.on_surfaces, sampler.rng())
+            }
+            _ => return Spectrum::ZERO,
+        };
+        found.radiance / stores.paths[0]
+    }
+}

@@ -1,0 +1,194 @@
+//! The data that camera paths merge with, traced anew for every pass.
+
+use super::options::{Options, Techniques};
+use crate::integrators::shrinking::Shrinking;
+use crate::math::{Kernel, Vec2, Vec3};
+use crate::photons::{BeamRadius, Beams, Extent, LightPaths, Photon, Points, TraceError, Tracing, Wanted};
+use crate::scene::Scene;
+use crate::walk::Effort;
+
+/// Light paths traced to find radii where none are given.
+const PILOT_PATHS: u32 = 4096;
+/// The set of light paths that the pilot is.
+const PILOT_SET: u32 = u32::MAX;
+/// Added to the number of a pass for its set of beams, which is independent of that of points.
+const BEAM_SETS: u32 = 1 << 31;
+/// Automatic radius in media, in mean free paths ...
+const FREE_PATHS: f32 = 0.1;
+/// ... and in sizes of a pixel; the smaller one counts.
+const PIXELS: f32 = 3.0;
+/// Automatic radius on surfaces, in sizes of a pixel.
+const SURFACE_PIXELS: f32 = 2.0;
+
+/// Points and beams of a pass.
+#[derive(Debug)]
+pub(super) struct Stores {
+    pub(super) points: LightPaths,
+    pub(super) beams: LightPaths,
+    /// Points in media as merged with points ...
+    pub(super) for_points: Points,
+    /// ... and with camera beams, each with its own radius.
+    pub(super) for_beams: Points,
+    pub(super) on_surfaces: Points,
+    pub(super) arranged_beams: Beams,
+    radii: Option<(f32, f32)>,
+    volume: Shrinking,
+    other: Shrinking,
+    /// What the techniques take of each path in this pass.
+    pub(super) effort: Effort,
+    /// Light paths that left points, and beams.
+    pub(super) paths: [f32; 2],
+    pass: Option<u32>,
+}
+
+impl Stores {
+    pub(super) fn new() -> Self {
+        Self {
+            points: LightPaths::default(),
+            beams: LightPaths::default(),
+            for_points: Points::default(),
+            for_beams: Points::default(),
+            on_surfaces: Points::default(),
+            arranged_beams: Beams::default(),
+            radii: None,
+            volume: Shrinking::START,
+            other: Shrinking::START,
+            effort: Effort::default(),
+            paths: [1.0; 2],
+            pass: None,
+        }
+    }
+
+    /// Traces the light paths of a pass.
+    pub(super) fn prepare(&mut self, scene: &Scene, options: &Options, seed: u64, pass: u32) -> Result<(), TraceError> {
+        if self.pass == Some(pass) {
+            return Ok(());
+        }
+        let Techniques { bpt, surface, point_point, beam_point, beam_beam } = options.techniques;
+        let (width, height) = scene.picture_size();
+        let pixels = width as f32 * height as f32;
+        let paths = match options.photons {
+            0 => (width.saturating_mul(height)).clamp(1, 1 << 20),
+            n => n,
+        };
+        let beam_paths = match options.beams {
+            0 => (paths / BEAM_SHARE).max(1),
+            n => n,
+        };
+        let (volume, on_surface) = self.first_radii(scene, options, seed)?;
+        let alpha = |dimension: u32| match options.alpha {
+            0.0 => 4.0 / (f64::from(dimension) + 4.0),
+            alpha => f64::from(alpha),
+        };
+        let [ball, disk] = self.volume.at(pass, [3, 2], [alpha(3), alpha(2)]).map(|factor| factor * volume);
+        let [width, patch] = self.other.at(pass, [1, 2], [alpha(1), alpha(2)]);
+        let (width, patch) = (width * volume, patch * on_surface);
+        let number = |wanted: bool, paths: u32| if wanted { paths as f32 } else { 0.0 };
+        self.effort = Effort {
+            connect: number(bpt, 1),
+            lens: if bpt { pixels } else { 0.0 },
+            surface: number(surface, paths) * Kernel::extent(2, patch),
+            point_point: number(point_point, paths) * Kernel::extent(3, ball),
+            beam_point: number(beam_point, paths) * Kernel::extent(2, disk),
+            beam_beam: number(beam_beam, beam_paths) * Kernel::extent(1, width),
+        };
+        self.paths = [paths as f32, beam_paths as f32];
+        let media = !scene.media().is_empty();
+        let tracing = |paths, set, wanted| Tracing {
+            paths,
+            rules: options.rules,
+            seed,
+            set,
+            extent: Extent::Short,
+            footprints: false,
+            point_radius: ball,
+            surface_radius: patch,
+            wanted,
+            effort: Some(self.effort),
+            memory: options.memory,
+        };
+        let points = media && (point_point || beam_point);
+        if points || surface {
+            let wanted = Wanted { points, surfaces: surface, direct: true, ..Wanted::default() };
+            self.points.trace(scene, &tracing(paths, pass, wanted))?;
+            if points && point_point {
+                self.for_points.rebuild(&self.points.points);
+            }
+            if points && beam_point {
+                self.points.points.iter_mut().for_each(|photon| photon.radius = disk);
+                self.for_beams.rebuild(&self.points.points);
+            }
+            if surface {
+                self.on_surfaces.rebuild(&self.points.surfaces);
+            }
+        }
+        if media && beam_beam {
+            let wanted = Wanted { beams: true, ..Wanted::default() };
+            self.beams.trace(scene, &tracing(beam_paths, BEAM_SETS | pass, wanted))?;
+            self.arranged_beams.rebuild(&self.beams.beams, BeamRadius::Fixed(width));
+        }
+        self.pass = Some(pass);
+        Ok(())
+    }
+
+    /// Radii to begin with, in media and on surfaces, metres: as given, or from mean free paths and the size of a pixel
+    /// where light is scattered.
+    fn first_radii(&mut self, scene: &Scene, options: &Options, seed: u64) -> Result<(f32, f32), TraceError> {
+        if let Some(radii) = self.radii {
+            return Ok(radii);
+        }
+        let (mut volume, mut surface) = (options.radius, options.surface_radius);
+        if volume == 0.0 || surface == 0.0 {
+            let wanted = Wanted { points: true, surfaces: true, direct: true, ..Wanted::default() };
+            let tracing = Tracing {
+                paths: PILOT_PATHS,
+                rules: options.rules,
+                seed,
+                set: PILOT_SET,
+                extent: Extent::Short,
+                footprints: false,
+                point_radius: 0.0,
+                surface_radius: 0.0,
+                wanted,
+                effort: None,
+                memory: options.memory,
+            };
+            self.points.trace(scene, &tracing)?;
+            if volume == 0.0 {
+                let radius = |photon: &Photon| {
+                    let sigma_t =
+                        photon.tag.medium().map_or(0.0, |id| scene.medium(id).sigma_t(photon.position).mean());
+                    let free = FREE_PATHS / sigma_t;
+                    pixel_size(scene, photon.position).map_or(free, |size| free.min(PIXELS * size))
+                };
+                volume = median(self.points.points.iter().map(radius)).unwrap_or(NOWHERE);
+            }
+            if surface == 0.0 {
+                let radius = |photon: &Photon| Some(SURFACE_PIXELS * pixel_size(scene, photon.position)?);
+                surface = median(self.points.surfaces.iter().filter_map(radius)).unwrap_or(volume);
+            }
+        }
+        self.radii = Some((volume, surface));
+        Ok((volume, surface))
+    }
+}
+
+/// Paths that leave points for each that leaves beams: a beam meets about so many more camera rays than a point.
+const BEAM_SHARE: u32 = 16;
+
+/// Radius where there is nothing to merge, metres.
+const NOWHERE: f32 = 1e-3;
+
+/// Edge of a pixel at `x`, metres; `None` for places outside the picture.
+fn pixel_size(scene: &Scene, x: Vec3) -> Option<f32> {
+    let seen = scene.sensor.project(x, Vec2::splat(0.5))?;
+    let film = Vec2::new(scene.film.width as f32, scene.film.height as f32);
+    let inside = seen.film_position.cmpge(Vec2::ZERO).all() && seen.film_position.cmple(film).all();
+    (inside && seen.pixels_per_area > 0.0).then(|| 1.0 / seen.pixels_per_area.sqrt())
+}
+
+fn median(values: impl Iterator<Item = f32>) -> Option<f32> {
+    let mut values: Vec<f32> = values.filter(|v| *v > 0.0 && v.is_finite()).collect();
+    values.sort_unstable_by(f32::total_cmp);
+    values.get(values.len() / 2).copied()
+}

@@ -1,0 +1,172 @@
+//! Virtual lights: what light paths leave is connected with what the camera sees.
+//!
+//! Vertices of light paths are point lights, segments of them ray lights. They give the light that goes straight from its
+//! last scattering but one to the last; path tracing gives the rest: emitters, direct light, single scattering, what comes
+//! over smooth mirrors and glass, and what a bound on the lights' nearness cuts off.
+
+mod camera;
+mod chosen;
+pub mod registry;
+
+use self::camera::Seeker;
+use self::chosen::Choice;
+use super::components::Components;
+use super::volpath::{self, Volpath};
+use super::{Counts, Integrator, Job, RareEvents, sample_pixels};
+use crate::film::Splats;
+use crate::film::pixels::PixelSum;
+use crate::photons::{Extent, LightPaths, TraceError, Tracing, Wanted};
+use crate::scene::Scene;
+use crate::walk::{Profile, Rules, Scattering};
+
+/// All choices.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Options {
+    /// Rules of the camera's walk.
+    camera_rules: Rules,
+    /// Rules of light's walk.
+    light_rules: Rules,
+    /// Light paths of a set.
+    photons: u32,
+    /// Whether segments are lights in media, or vertices.
+    rays: bool,
+    extent: Extent,
+    /// Lights that a query visits; 0: all.
+    lights: u32,
+    /// Pairs of points on a ray light and a camera's ray.
+    samples: u32,
+    /// Bound on 1/d^2, 1/m^2; 0: none.
+    clamp: f32,
+    /// First radius of lights that are balls, metres: 0 for an automatic one, `None` for points and rays.
+    radius: Option<f32>,
+    /// Passes that share a set of light paths; 0: all.
+    reuse: u32,
+    components: Components,
+    memory: usize,
+}
+
+/// The integrator.
+pub(super) struct VirtualLights {
+    options: Options,
+    path: Volpath,
+    paths: LightPaths,
+    /// Which vertices and which beams a query visits.
+    points: Choice,
+    rays: Choice,
+    first_radius: Option<f32>,
+    /// Radius of lights, metres; 0 for points and rays.
+    radius: f32,
+    /// The set of light paths at hand.
+    set: Option<u32>,
+    counts: Counts,
+}
+
+/// Automatic radius of lights, in units of the mean length of light's segments in media; on surfaces only, of the scene's
+/// diagonal.
+const USUAL_RADIUS: [f32; 2] = [0.1, 0.01];
+
+/// The set of light paths from which a radius is found.
+const PILOT_SET: u32 = u32::MAX;
+
+impl VirtualLights {
+    fn new(options: Options, path: volpath::Options) -> Self {
+        Self {
+            options,
+            path: Volpath::new(path),
+            paths: LightPaths::default(),
+            points: Choice::default(),
+            rays: Choice::default(),
+            first_radius: None,
+            radius: 0.0,
+            set: None,
+            counts: Counts::default(),
+        }
+    }
+
+    fn tracing(&self, seed: u64, set: u32) -> Tracing {
+        let Options { photons, light_rules, rays, extent, memory, .. } = self.options;
+        Tracing {
+            paths: photons,
+            rules: light_rules,
+            seed,
+            set,
+            extent,
+            footprints: false,
+            point_radius: 0.0,
+            surface_radius: 0.0,
+            wanted: Wanted { beams: rays, vertices: [!rays, true], ..Wanted::default() },
+            effort: None,
+            memory,
+        }
+    }
+
+    /// The radius to begin with: as given, or from a few light paths; 0 for points and rays.
+    fn first_radius(&mut self, scene: &Scene, seed: u64) -> Result<f32, TraceError> {
+        let radius = match (self.first_radius, self.options.radius) {
+            (Some(known), _) => known,
+            (None, None) => 0.0,
+            (None, Some(given)) if given > 0.0 => given,
+            (None, Some(_)) => {
+                self.paths.trace(scene, &self.tracing(seed, PILOT_SET))?;
+                let lengths = self.paths.beams.iter().map(|beam| f64::from(beam.length));
+                match self.paths.beams.len() {
+                    0 => USUAL_RADIUS[1] * scene.geometry.bounds().extent().length(),
+                    count => USUAL_RADIUS[0] * (lengths.sum::<f64>() / count as f64) as f32,
+                }
+            }
+        };
+        self.first_radius = Some(radius);
+        Ok(radius)
+    }
+}
+
+impl Integrator for VirtualLights {
+    fn warnings(&self, scene: &Scene) -> Vec<String> {
+        self.path.warnings(scene)
+    }
+
+    fn prepare(&mut self, scene: &Scene, seed: u64, pass: u32) -> Result<u32, TraceError> {
+        let (set, serves) = match self.options.reuse {
+            0 => (0, u32::MAX),
+            reuse => (pass / reuse, reuse - pass % reuse),
+        };
+        if self.set == Some(set) {
+            return Ok(serves);
+        }
+        let first_radius = self.first_radius(scene, seed)?;
+        self.paths.trace(scene, &self.tracing(seed, set))?;
+        self.points.of(self.paths.vertices.iter().map(|v| v.throughput.max_channel()));
+        self.rays.of(self.paths.beams.iter().map(|beam| beam.flux.unpack().max_channel() * beam.length));
+        // The bias is of second order in the radius and the variance bounded: it may shrink fast.
+        self.radius = first_radius / (set as f32 + 1.0).sqrt();
+        self.counts.light_paths += u64::from(self.options.photons);
+        self.counts.photons += self.paths.data() as u64;
+        self.set = Some(set);
+        Ok(serves)
+    }
+
+    fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum], _: &mut Splats) -> RareEvents {
+        let mut profile = Profile::default();
+        let straight = self.options.components.intersection(Components::STRAIGHT) != Components::NONE;
+        sample_pixels(scene, job, pixels, |sample, sampler| {
+            let traced = self.path.radiance(scene, sample.film, sampler);
+            if !straight {
+                return traced;
+            }
+            traced + Seeker::radiance(self, scene, &mut profile, sample.film, sampler)
+        })
+    }
+}
+
+/// Whether light that scatters there is wanted.
+fn wanted(components: Components, scattering: &Scattering) -> bool {
+    let part = match scattering {
+        Scattering::Medium { .. } => Components::MULTIPLE,
+        Scattering::Surface { .. } => Components::INDIRECT,
+    };
+    components.intersection(Components::STRAIGHT).has(part)
+}

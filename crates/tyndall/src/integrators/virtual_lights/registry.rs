@@ -1,0 +1,132 @@
+//! The names of the family.
+
+use super::{Options, VirtualLights};
+use crate::integrators::components::Components;
+use crate::integrators::photon_mapping::declared::{ABSORPTION, EXTENT, MEMORY, REUSE, photons};
+use crate::integrators::volpath::common::{HIDE_EMITTERS, MAX_DEPTH, RR_DEPTH};
+use crate::integrators::volpath::{self, RR_CAP, depth};
+use crate::integrators::{Integrator, IntegratorInfo, ParameterError, ParameterInfo, ParameterKind, Parameters};
+use crate::photons::Extent;
+use crate::walk::{Media, Rules};
+
+const LIGHTS: ParameterInfo = ParameterInfo {
+    name: "lights",
+    kind: ParameterKind::Integer,
+    default: "64",
+    unit: "",
+    description: "Virtual lights of each kind that a ray or a surface is connected with, chosen by their power; 0 is all.",
+};
+const SAMPLES: ParameterInfo = ParameterInfo {
+    name: "samples",
+    kind: ParameterKind::Integer,
+    default: "1",
+    unit: "",
+    description: "Points on a ray light for each ray or surface that it is connected with.",
+};
+const CLAMP: ParameterInfo = ParameterInfo {
+    name: "clamp",
+    kind: ParameterKind::Float,
+    default: "0",
+    unit: "1/m^2",
+    description: "Bound on one over the squared distance between lights and what they light; 0 is none.",
+};
+const COMPENSATION: ParameterInfo = ParameterInfo {
+    name: "compensation",
+    kind: ParameterKind::Choice(&["path", "none"]),
+    default: "path",
+    unit: "",
+    description: "Whether paths are traced for the light that `clamp` cuts off (Kollig and Keller 2004), or it is missing.",
+};
+const RADIUS: ParameterInfo = ParameterInfo {
+    name: "radius",
+    kind: ParameterKind::Float,
+    default: "0",
+    unit: "m",
+    description: "Radius of the lights in the first pass; 0 is a tenth of the mean length of light's segments in media.",
+};
+
+/// Which lights there are.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Points,
+    Rays,
+    Beams,
+}
+
+fn make(parameters: &Parameters, kind: Kind) -> Result<Box<dyn Integrator>, ParameterError> {
+    let max_depth = depth(parameters, "max_depth")?;
+    let camera_rules = Rules { max_depth, rr_depth: u32::MAX, rr_cap: RR_CAP, media: Media::Attenuate };
+    let weighted = parameters.text("absorption") == "weight";
+    let (rr_depth, rr_cap) = if weighted { (5, RR_CAP) } else { (0, 1.0) };
+    let from_zero = "a number from 0";
+    let components = Components::read(parameters)?;
+    let clamp = if kind == Kind::Beams { 0.0 } else { parameters.number("clamp", |c| c >= 0.0, from_zero)? };
+    let compensates = clamp > 0.0 && parameters.text("compensation") == "path";
+    let options = Options {
+        camera_rules,
+        light_rules: Rules { max_depth, rr_depth, rr_cap, media: Media::Scatter },
+        photons: parameters.count("photons", 1, "a whole number from 1")?,
+        rays: kind != Kind::Points,
+        extent: if kind != Kind::Points && parameters.text("extent") == "long" { Extent::Long } else { Extent::Short },
+        lights: parameters.count("lights", 0, "a whole number from 0")?,
+        samples: if kind == Kind::Points { 1 } else { parameters.count("samples", 1, "a whole number from 1")? },
+        clamp,
+        radius: match kind {
+            Kind::Beams => Some(parameters.number("radius", |r| r >= 0.0, from_zero)?),
+            _ => None,
+        },
+        reuse: parameters.count("reuse", 0, "a whole number from 0")?,
+        components,
+        memory: usize::try_from(parameters.bytes("memory")).unwrap_or(usize::MAX),
+    };
+    let traced = if compensates { components } else { components.intersection(Components::STRAIGHT.complement()) };
+    let path = volpath::Options::beside(parameters, traced, if compensates { clamp } else { 0.0 })?;
+    Ok(Box::new(VirtualLights::new(options, path)))
+}
+
+/// Declares an entry: what all have, and what it has besides.
+macro_rules! entry {
+    ($name:literal, $summary:literal, $source:literal, $kind:expr, [$($parameter:expr),* $(,)?]) => {
+        IntegratorInfo {
+            name: $name,
+            aliases: &[],
+            summary: $summary,
+            source: $source,
+            parameters: {
+                const PARAMETERS: &[ParameterInfo] = &[
+                    photons("1000"), LIGHTS, $($parameter,)* ABSORPTION, REUSE, Components::PARAMETER, MAX_DEPTH,
+                    RR_DEPTH, HIDE_EMITTERS, MEMORY,
+                ];
+                PARAMETERS
+            },
+            make: |parameters| make(parameters, $kind),
+        }
+    };
+}
+
+/// The registry's entry of `vpl`.
+pub const VPL: IntegratorInfo = entry!(
+    "vpl",
+    "Virtual point lights: vertices of light paths light surfaces and camera rays.",
+    "Keller 1997; Raab, Seibert and Keller 2008; Kollig and Keller 2004",
+    Kind::Points,
+    [CLAMP, COMPENSATION]
+);
+
+/// The registry's entry of `vrl`.
+pub const VRL: IntegratorInfo = entry!(
+    "vrl",
+    "Virtual ray lights: segments of light paths in media light surfaces and camera rays.",
+    "Novak, Nowrouzezahrai, Dachsbacher and Jarosz 2012",
+    Kind::Rays,
+    [SAMPLES, EXTENT, CLAMP, COMPENSATION]
+);
+
+/// The registry's entry of `vbl`.
+pub const VBL: IntegratorInfo = entry!(
+    "vbl",
+    "Progressive virtual beam lights: ray lights with a radius that shrinks from pass to pass.",
+    "Novak, Nowrouzezahrai, Dachsbacher and Jarosz 2012; Hasan, Krivanek, Walter and Bala 2009",
+    Kind::Beams,
+    [SAMPLES, EXTENT, RADIUS]
+);

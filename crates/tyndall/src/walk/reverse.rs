@@ -1,0 +1,36 @@
+//! A vertex as the walk from the other end would see it.
+
+use super::{Corner, Mode, Scattering, Vertex};
+use crate::math::{PerSolidAngle, Vec3};
+use crate::scene::Scene;
+use crate::scene::bsdf::Transport;
+
+/// Density with which a walk from the other end, coming against `direction` to `vertex`, would go back the way this one
+/// came.
+#[inline]
+pub fn reverse_pdf<M: Mode>(scene: &Scene, vertex: &Vertex, direction: Vec3) -> PerSolidAngle {
+    match &vertex.scattering {
+        Scattering::Medium { medium } => {
+            PerSolidAngle(scene.medium(*medium).phase().eval(vertex.position, -direction, -vertex.direction))
+        }
+        Scattering::Surface { point, .. } => {
+            let transport = match M::TRANSPORT {
+                Transport::Radiance => Transport::Importance,
+                Transport::Importance => Transport::Radiance,
+            };
+            let (wo, wi) = (point.shading.to_local(direction), point.shading.to_local(-vertex.direction));
+            let context = scene.surface_context(point);
+            scene.bsdfs.eval(scene.bsdf_of(point.shape), &context, wo, wi, transport).1
+        }
+    }
+}
+
+/// What weights of multiple importance sampling ask of a vertex.
+#[inline]
+pub fn corner(scene: &Scene, vertex: &Vertex) -> Corner {
+    let (normal, merges) = match &vertex.scattering {
+        Scattering::Medium { .. } => (Vec3::ZERO, true),
+        Scattering::Surface { point, .. } => (point.normal, scene.is_diffuse(point.shape)),
+    };
+    Corner { position: vertex.position, arriving: vertex.direction, normal, merges }
+}

@@ -1,0 +1,225 @@
+//! What a walk carries for the weights of multiple importance sampling: a few numbers for each vertex, updated from
+//! vertex to vertex.
+//!
+//! Number the vertices of a full path from the light (0) to the lens (k). Let `pF(i)` be the density with which light's
+//! walk finds vertex i and `pB(i)` that of the camera's walk, each per area or per volume. A connection between i and
+//! i + 1 has the density `prod_{j<=i} pF(j) prod_{j>i} pB(j)`, a merge at m that of both walks finding m, times the
+//! extent of its blur and the number of its light paths. For light's walk that has come to vertex i let `S(i)` be the sum
+//! of the densities of all techniques that leave more of the path to the camera than the connection of i and i + 1, in
+//! units of the density of that connection. Then (Krivanek et al. 2014, supplement; Georgiev 2012 for surfaces)
+//!
+//! `S(i) = pB(i) (eta(i) + (c(i-1) + S(i-1)) / pF(i))`
+//!
+//! with `eta(i)` the sum over the merges at i of number times extent, and `c(i-1)` one where i - 1 and i can be connected.
+//! `pB(i)` and the reverse density inside `S(i-1)` wait for the next vertices. What remains, `c(i-1) / pF(i)` and the rest
+//! without its reverse density, are the two numbers of an [`Arrival`]. The camera's walk carries the same from its end.
+
+use super::{Edge, Mode};
+use crate::math::Vec3;
+use crate::scene::bsdf::Transport;
+use crate::scene::emitter::EndDensity;
+use crate::scene::sensor::RayDensity;
+
+/// How many samples the techniques take of each path, in units of one camera path joined with one light path; zero for
+/// techniques not used.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Effort {
+    /// Connections and hits: 1 or 0.
+    pub connect: f32,
+    /// Connections to the lens: light paths of a pass.
+    pub lens: f32,
+    /// Merging of points on surfaces: light paths times the area of the blur, m^2.
+    pub surface: f32,
+    /// Merging of points in media in three dimensions: light paths times the volume of the blur, m^3.
+    pub point_point: f32,
+    /// Merging of points with camera beams in two dimensions: light paths times the area of the blur, m^2.
+    pub beam_point: f32,
+    /// Merging of beams in one dimension: light paths times the width of the blur, m.
+    pub beam_beam: f32,
+}
+
+/// A vertex where a walk may scatter, as far as weights ask.
+#[derive(Clone, Copy, Debug)]
+pub struct Corner {
+    /// Position, metres.
+    pub position: Vec3,
+    /// Direction of travel on arrival.
+    pub arriving: Vec3,
+    /// Unit geometric normal of a surface; zero in media.
+    pub normal: Vec3,
+    /// Whether data are merged here: in every medium, and on surfaces wide enough in their scattering.
+    pub merges: bool,
+}
+
+impl Corner {
+    /// Whether the vertex is inside a medium.
+    #[inline(always)]
+    pub fn in_medium(&self) -> bool {
+        self.normal == Vec3::ZERO
+    }
+
+    /// Cosine by which areas across a direction become areas of the surface; one in media.
+    #[inline(always)]
+    pub fn cos(&self, direction: Vec3) -> f32 {
+        if self.in_medium() { 1.0 } else { self.normal.dot(direction).abs() }
+    }
+}
+
+/// A walk that has come to a vertex.
+#[derive(Clone, Copy, Debug)]
+pub struct Arrival {
+    /// Technique that connects the last vertex with this one, over the density of this one.
+    pub connected: f32,
+    /// All techniques before, over the density of this one; to be multiplied by the reverse density of direction.
+    pub before: f32,
+    /// In media: probability that a beam of this walk covers the place, over the density of a collision there, m.
+    pub covered: f32,
+}
+
+/// A vertex and what the walk that has come there carries.
+#[derive(Clone, Copy, Debug)]
+pub struct End {
+    /// The vertex.
+    pub corner: Corner,
+    /// What the walk carries.
+    pub arrival: Arrival,
+}
+
+/// A walk on its way to the next vertex.
+#[derive(Clone, Copy, Debug)]
+pub struct Leg {
+    /// Where it starts: the vertex, the point of the lens, the point on an emitter.
+    pub start: Vec3,
+    /// Density of the direction, 1/sr; per area across the direction where all rays are parallel; one after a smooth
+    /// mirror or glass.
+    pub density: f32,
+    /// Whether the density falls with the squared distance.
+    pub spreads: bool,
+    /// Weight of the technique that connects the start with the next vertex, in units of its density by walks.
+    pub connect: f32,
+    /// Cosine at the start.
+    pub cos: f32,
+    /// Whether the start is a vertex inside a medium.
+    pub in_medium: bool,
+    /// Techniques before, by the density with which the walk from the other end would collide at the start ...
+    pub collided: f32,
+    /// ... and by the probability that its beam would cover the start.
+    pub covering: f32,
+}
+
+impl Leg {
+    /// Light's first leg, from a place of that density; [`Leg::lit`] adds the connection, which depends on its end.
+    #[inline]
+    pub fn from_emitter(effort: &Effort, density: &EndDensity, start: Vec3) -> Self {
+        Self {
+            start,
+            density: density.onward,
+            spreads: !density.parallel,
+            connect: 0.0,
+            cos: density.cos,
+            in_medium: false,
+            collided: if density.hittable { effort.connect / density.place } else { 0.0 },
+            covering: 0.0,
+        }
+    }
+
+    /// Light's first leg, where the density with which the emitter is sampled from its end is `sampled`.
+    #[inline]
+    pub fn lit(self, effort: &Effort, density: &EndDensity, sampled: f32) -> Self {
+        Self { connect: effort.connect * sampled / density.place, ..self }
+    }
+
+    /// The camera's first leg.
+    #[inline]
+    pub fn from_lens(effort: &Effort, lens: &RayDensity) -> Self {
+        Self {
+            start: lens.lens,
+            density: lens.density,
+            spreads: !lens.parallel,
+            connect: effort.lens,
+            cos: 1.0,
+            in_medium: false,
+            collided: 0.0,
+            covering: 0.0,
+        }
+    }
+
+    /// Factor of the spread of directions up to `position`, 1/m^2; 1 where rays are parallel.
+    #[inline(always)]
+    pub fn spread(&self, position: Vec3) -> f32 {
+        if self.spreads { 1.0 / self.start.distance_squared(position) } else { 1.0 }
+    }
+
+    /// All techniques before the start's connection with the vertex at the other end of `edge`, over the density of
+    /// both; to be multiplied by the density with which the other walk chooses the direction of the edge, and by its
+    /// spread.
+    #[inline]
+    pub fn before<M: Mode>(&self, edge: &Edge) -> f32 {
+        // Camera beams run to the end of a stretch that a flight has come to, light beams to the collision.
+        let beam = match M::TRANSPORT {
+            Transport::Importance => edge.survival / edge.stretches[0],
+            Transport::Radiance => edge.survival,
+        };
+        self.cos * (edge.departure(self.in_medium) * self.collided + beam * self.covering)
+    }
+
+    /// The walk comes to a vertex through `edge`, where `cos` is as in [`Corner::cos`] and `spread` as in
+    /// [`Leg::spread`].
+    #[inline]
+    pub fn arrive<M: Mode>(&self, edge: &Edge, spread: f32, cos: f32, in_medium: bool) -> Arrival {
+        // The spread is that of the reverse density as well, and may be infinite where a leg has no length.
+        let density = self.density * cos * edge.arrival(in_medium);
+        let inverse = if density > 0.0 { 1.0 / density } else { 0.0 };
+        let covered = match M::TRANSPORT {
+            Transport::Importance => 1.0 / edge.rates[1],
+            Transport::Radiance => 1.0 / (edge.stretches[1] * edge.rates[1]),
+        };
+        Arrival { connected: self.connect * inverse / spread, before: self.before::<M>(edge) * inverse, covered }
+    }
+}
+
+impl Arrival {
+    /// The walk goes on from `corner` along `direction`. `density` is that of the direction, `None` for a smooth mirror or
+    /// glass; `reverse` that of the walk from the other end going on to the vertex before.
+    #[inline]
+    pub fn depart<M: Mode>(
+        &self,
+        effort: &Effort,
+        corner: &Corner,
+        direction: Vec3,
+        density: Option<f32>,
+        reverse: f32,
+    ) -> Leg {
+        let (start, in_medium) = (corner.position, corner.in_medium());
+        let leg = Leg {
+            start,
+            density: density.unwrap_or(1.0),
+            spreads: true,
+            connect: 0.0,
+            cos: corner.cos(direction),
+            in_medium,
+            collided: self.before,
+            covering: 0.0,
+        };
+        // Forth and back a smooth mirror or glass takes a direction with the same probability.
+        if density.is_none() {
+            return leg;
+        }
+        let mut collided = self.connected + self.before * reverse;
+        let mut covering = 0.0;
+        if in_medium {
+            let sin = corner.arriving.cross(direction).length();
+            collided += effort.point_point;
+            match M::TRANSPORT {
+                Transport::Importance => covering = effort.beam_point + effort.beam_beam * sin * self.covered,
+                Transport::Radiance => {
+                    collided += effort.beam_point * self.covered;
+                    covering = effort.beam_beam * sin * self.covered;
+                }
+            }
+        } else if corner.merges {
+            collided += effort.surface;
+        }
+        Leg { connect: effort.connect, collided, covering, ..leg }
+    }
+}
