@@ -51,8 +51,8 @@ fn compare(
     outcome
 }
 
-/// The scenes of which the picture by the `integrator` differs.
-fn differing(integrator: Option<&str>, passes: u32) -> Vec<String> {
+/// The scenes of which the picture by the `integrator` differs; each gets as many `passes` as its name says.
+fn differing(integrator: Option<&str>, passes: impl Fn(&str) -> u32) -> Vec<String> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/references");
     let list = std::fs::read_to_string(folder.join("references.txt")).unwrap();
     let mut differing = Vec::new();
@@ -61,7 +61,7 @@ fn differing(integrator: Option<&str>, passes: u32) -> Vec<String> {
         let (name, samples) = (words.next().unwrap(), words.next().unwrap().parse::<f64>().unwrap());
         let file = |suffix: &str| folder.join(format!("{name}{suffix}"));
         let (mean, variance) = (file(".exr"), file("-variance.exr"));
-        if !compare(&file(".xml"), integrator, passes, &mean, &variance, Some(samples)).passes() {
+        if !compare(&file(".xml"), integrator, passes(name), &mean, &variance, Some(samples)).passes() {
             differing.push(name.to_string());
         }
     }
@@ -70,12 +70,14 @@ fn differing(integrator: Option<&str>, passes: u32) -> Vec<String> {
 
 #[test]
 fn every_scene_is_the_same_picture() {
-    assert_eq!(differing(None, 256), [""; 0], "differing by more than their noise");
+    assert_eq!(differing(None, |_| 256), [""; 0], "differing by more than their noise");
 }
 
 #[test]
 fn every_scene_is_the_same_picture_by_bidirectional_path_tracing() {
-    assert_eq!(differing(Some("bdpt"), 256), [""; 0], "differing by more than their noise");
+    // Paths joined through rough glass are rarely bright: a pixel's mean is not normal after a few hundred.
+    let passes = |name: &str| if name == "rough-shell" { 1024 } else { 256 };
+    assert_eq!(differing(Some("bdpt"), passes), [""; 0], "differing by more than their noise");
 }
 
 /// Mitsuba's own test scenes, where `TYNDALL_MITSUBA_SCENES` names a folder of them (NAME_volpath.xml or
