@@ -111,8 +111,12 @@ const WAYS: [(&str, &str, f64); 6] = [
     ("beam-beam-1d", "long", 0.05),
 ];
 
-/// Renders the furnace with some ways; `lost` is the light that a blur of a radius loses, per channel.
-fn check(case: &Case, ways: &[(&str, &str, f64)], precision: f64, lost: impl Fn(Blur, f64) -> [f64; 3]) {
+/// Renders the furnace with some ways; `lost` is the light that a blur of a radius loses, per channel. The standard error is
+/// at most one per cent; for more than a few ways it is aimed at half of that, as first passes of forward scattering look
+/// better than they are.
+fn check(case: &Case, ways: &[(&str, &str, f64)], lost: impl Fn(Blur, f64) -> [f64; 3]) {
+    let precision = 0.01;
+    let aim = if ways.len() > 2 { 0.5 } else { 0.8 };
     let scene = common::scene(case, true);
     for (seed, (name, extent, radius)) in (1..).zip(ways) {
         let way = Way::find(name, extent);
@@ -120,7 +124,7 @@ fn check(case: &Case, ways: &[(&str, &str, f64)], precision: f64, lost: impl Fn(
         set.push(("photons", way.photons().to_string()));
         set.push(("surface_radius", "0.15".into()));
         let truth = lost(way.blur, *radius).map(|lost| 1.0 - lost);
-        let found = Measured::precisely(&scene, way.name, &set, seed, truth, 0.8 * precision);
+        let found = Measured::precisely(&scene, way.name, &set, seed, truth, aim * precision);
         let what = format!("{} {}, {:.2} % lost", case.name, way.title(), 100.0 * (1.0 - truth[1]));
         found.assert(&what, truth, precision, sidak(0.01, 200));
     }
@@ -130,17 +134,12 @@ fn boxed(sigma: [f64; 3], ior: f64) -> impl Fn(Blur, f64) -> [f64; 3] {
     move |blur, radius| sigma.map(|s| through_the_box(ior).lost(blur, radius, &|x| (u32::from(in_box(x)), s)))
 }
 
-fn all(ways: &[(&str, &str, f64)], precision: f64) {
+fn all(ways: &[(&str, &str, f64)]) {
     let chromatic = [3.0, 1.0, 0.3];
-    check(&furnace("isotropic", Furnace::default()), ways, precision, boxed([1.0; 3], 1.0));
-    check(
-        &furnace("chromatic", Furnace { sigma_t: chromatic, ..Furnace::default() }),
-        ways,
-        precision,
-        boxed(chromatic, 1.0),
-    );
-    check(&furnace("glass", Furnace { glass: true, ..Furnace::default() }), ways, precision, boxed([1.0; 3], 1.5));
-    check(&furnace("forward", Furnace { g: 0.7, ..Furnace::default() }), ways, precision, boxed([1.0; 3], 1.0));
+    check(&furnace("isotropic", Furnace::default()), ways, boxed([1.0; 3], 1.0));
+    check(&furnace("chromatic", Furnace { sigma_t: chromatic, ..Furnace::default() }), ways, boxed(chromatic, 1.0));
+    check(&furnace("glass", Furnace { glass: true, ..Furnace::default() }), ways, boxed([1.0; 3], 1.5));
+    check(&furnace("forward", Furnace { g: 0.7, ..Furnace::default() }), ways, boxed([1.0; 3], 1.0));
     // The density at the front face, which the camera meets first, and at the back.
     let ramp = |blur, radius| {
         let density = |z: f64| {
@@ -152,36 +151,36 @@ fn all(ways: &[(&str, &str, f64)], precision: f64) {
         };
         [through_the_box(1.0).lost(blur, radius, &|x| (u32::from(in_box(x)), density(x[2]))); 3]
     };
-    check(&furnace("ramp", Furnace { ramp: true, ..Furnace::default() }), ways, precision, ramp);
+    check(&furnace("ramp", Furnace { ramp: true, ..Furnace::default() }), ways, ramp);
     let nest = |blur, radius| {
         [2.0, 4.0, 0.8].map(|core| {
             let medium = |x| if in_ball(x) { (2, core) } else { (u32::from(in_box(x)), 1.0) };
             through_the_box(1.0).lost(blur, radius, &medium)
         })
     };
-    check(&nested(), ways, precision, nest);
+    check(&nested(), ways, nest);
 }
 
 #[test]
 fn walls_that_are_nothing() {
     let ways = [("beam-beam-1d", "long", 0.05), ("bre", "", 0.1)];
-    check(&furnace("isotropic", Furnace::default()), &ways, 0.01, boxed([1.0; 3], 1.0));
+    check(&furnace("isotropic", Furnace::default()), &ways, boxed([1.0; 3], 1.0));
     let chromatic = [3.0, 1.0, 0.3];
     let case = furnace("chromatic", Furnace { sigma_t: chromatic, ..Furnace::default() });
-    check(&case, &ways[..1], 0.01, boxed(chromatic, 1.0));
+    check(&case, &ways[..1], boxed(chromatic, 1.0));
 }
 
 /// Nothing is lost at walls: the common normal lies in them to within the ray's slope.
 #[test]
 fn a_room_whose_walls_glow() {
     let nothing = |_, _| [0.0; 3];
-    check(&furnace_room(0.5), &[("beam-beam-1d", "short", 0.05)], 0.01, nothing);
+    check(&furnace_room(0.5), &[("beam-beam-1d", "short", 0.05)], nothing);
 }
 
 /// Every way in every furnace: `cargo test --release -p tyndall-formats --test photons -- --ignored --nocapture every_way`,
-/// ten minutes.
+/// half an hour.
 #[test]
-#[ignore = "ten minutes"]
+#[ignore = "half an hour"]
 fn every_way_in_every_furnace() {
-    all(&WAYS, 0.01);
+    all(&WAYS);
 }
