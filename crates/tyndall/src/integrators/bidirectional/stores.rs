@@ -155,13 +155,16 @@ impl Stores {
             };
             self.points.trace(scene, &tracing)?;
             if volume == 0.0 {
-                let radius = |photon: &Photon| {
-                    let sigma_t =
-                        photon.tag.medium().map_or(0.0, |id| scene.medium(id).sigma_t(photon.position).mean());
-                    let free = FREE_PATHS / sigma_t;
-                    pixel_size(scene, photon.position).map_or(free, |size| free.min(PIXELS * size))
+                let free = |photon: &Photon| {
+                    let medium = photon.tag.medium().map(|id| scene.medium(id));
+                    FREE_PATHS / medium.map_or(0.0, |medium| medium.sigma_t(photon.position).mean())
                 };
-                volume = median(self.points.points.iter().map(radius)).unwrap_or(NOWHERE);
+                // What the picture does not show says nothing of its pixels.
+                let seen = |photon: &Photon| Some(free(photon).min(PIXELS * pixel_size(scene, photon.position)?));
+                let points = &self.points.points;
+                volume = median(points.iter().filter_map(seen))
+                    .or_else(|| median(points.iter().map(free)))
+                    .unwrap_or(NOWHERE);
             }
             if surface == 0.0 {
                 let radius = |photon: &Photon| Some(SURFACE_PIXELS * pixel_size(scene, photon.position)?);
