@@ -47,6 +47,17 @@ pub struct ParameterInfo {
     pub description: &'static str,
 }
 
+/// A declaration.
+pub(super) const fn parameter(
+    name: &'static str,
+    kind: ParameterKind,
+    default: &'static str,
+    unit: &'static str,
+    description: &'static str,
+) -> ParameterInfo {
+    ParameterInfo { name, kind, default, unit, description }
+}
+
 /// What is wrong with an integrator's name or parameters.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ParameterError {

@@ -3,11 +3,12 @@
 use std::f32::consts::PI;
 
 /// The shape of a radially symmetric kernel, zero beyond its radius.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Kernel {
     /// The same everywhere.
     Constant,
     /// `1 - x^2`.
+    #[default]
     Epanechnikov,
     /// `(1 - x^2)^2`.
     Biweight,
@@ -17,6 +18,11 @@ impl Kernel {
     /// All kernels with their names.
     pub const NAMES: [(&'static str, Self); 3] =
         [("constant", Self::Constant), ("epanechnikov", Self::Epanechnikov), ("biweight", Self::Biweight)];
+
+    /// The kernel of that name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::NAMES.iter().find(|(known, _)| *known == name).map(|(_, kernel)| *kernel)
+    }
 
     /// Value in 1/m^`DIMENSION` for `squared` = (distance / radius)^2 and the radius in metres; zero from `squared` = 1 on.
     #[inline(always)]

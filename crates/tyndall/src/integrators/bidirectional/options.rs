@@ -65,19 +65,10 @@ pub(in crate::integrators) struct Options {
     pub(super) memory: usize,
 }
 
-const fn parameter(
-    name: &'static str,
-    kind: ParameterKind,
-    default: &'static str,
-    unit: &'static str,
-    description: &'static str,
-) -> ParameterInfo {
-    ParameterInfo { name, kind, default, unit, description }
-}
-
 /// Declarations that the registry puts together.
 pub(super) mod declared {
-    use super::{ParameterInfo, ParameterKind, parameter};
+    use super::{ParameterInfo, ParameterKind};
+    use crate::integrators::parameters::parameter;
 
     pub(in super::super) const fn techniques(default: &'static str) -> ParameterInfo {
         parameter(
@@ -124,13 +115,6 @@ pub(super) mod declared {
         "",
         "How slowly radii shrink, in (0, 1]; 1 keeps them, 0 takes the best for each blur, 4 / (dimension + 4).",
     );
-    pub(in super::super) const KERNEL: ParameterInfo = parameter(
-        "kernel",
-        ParameterKind::Choice(&["constant", "epanechnikov", "biweight"]),
-        "epanechnikov",
-        "",
-        "Shape of the blur.",
-    );
     pub(in super::super) const MEMORY: ParameterInfo = parameter(
         "memory",
         ParameterKind::Bytes,
@@ -154,7 +138,7 @@ impl Options {
             radius: 0.0,
             surface_radius: 0.0,
             alpha: 0.0,
-            kernel: Kernel::Epanechnikov,
+            kernel: Kernel::default(),
             memory: usize::MAX,
         };
         if !parameters.declares("techniques") {
@@ -168,9 +152,7 @@ impl Options {
         options.radius = parameters.number("radius", |r| r >= 0.0, "a number from 0")?;
         options.surface_radius = parameters.number("surface_radius", |r| r >= 0.0, "a number from 0")?;
         options.alpha = parameters.number("alpha", |a| (0.0..=1.0).contains(&a), "a number from 0 to 1")?;
-        let kernel = parameters.text("kernel");
-        let named = Kernel::NAMES.iter().find(|(name, _)| *name == kernel);
-        options.kernel = named.map_or(Kernel::Epanechnikov, |(_, kernel)| *kernel);
+        options.kernel = Kernel::named(&parameters.text("kernel")).unwrap_or_default();
         options.memory = usize::try_from(parameters.bytes("memory")).unwrap_or(usize::MAX);
         Ok(options)
     }

@@ -1,7 +1,8 @@
 //! The names of the family.
 
-use super::options::declared::{ALPHA, BEAMS, KERNEL, MEMORY, PHOTONS, RADIUS, SURFACE_RADIUS, techniques};
+use super::options::declared::{ALPHA, BEAMS, MEMORY, PHOTONS, RADIUS, SURFACE_RADIUS, techniques};
 use super::{Bidirectional, LightTracing, Options};
+use crate::integrators::photon_mapping::declared::KERNEL;
 use crate::integrators::volpath::common::{HIDE_EMITTERS, MAX_DEPTH, RR_DEPTH};
 use crate::integrators::{IntegratorInfo, ParameterInfo};
 

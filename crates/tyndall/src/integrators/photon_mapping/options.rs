@@ -121,19 +121,10 @@ pub(in crate::integrators) struct Options {
     pub(super) memory: usize,
 }
 
-const fn parameter(
-    name: &'static str,
-    kind: ParameterKind,
-    default: &'static str,
-    unit: &'static str,
-    description: &'static str,
-) -> ParameterInfo {
-    ParameterInfo { name, kind, default, unit, description }
-}
-
 /// Declarations that the registry puts together.
 pub(in crate::integrators) mod declared {
     use super::*;
+    use crate::integrators::parameters::parameter;
     use ParameterKind::{Boolean, Bytes, Choice, Float, Integer};
 
     pub(in crate::integrators) const fn photons(default: &'static str) -> ParameterInfo {
@@ -230,14 +221,13 @@ impl Options {
         let positive_or_zero = "a number from 0";
         let neighbours =
             if has("neighbours") { parameters.count("neighbours", 0, "a whole number from 0")? } else { 0 };
-        let kernel = parameters.text("kernel");
         Ok(Self {
             camera_rules: rules,
             light_rules: Rules { rr_depth: light.0, rr_cap: light.1, media: Media::Scatter, ..rules },
             hide_emitters: parameters.boolean("hide_emitters"),
             photons: parameters.count("photons", 1, "a whole number from 1")?,
             estimator: if has("estimator") { Estimator::named(&parameters.text("estimator")) } else { estimator },
-            kernel: Kernel::NAMES.iter().find(|(name, _)| *name == kernel).map_or(Kernel::Epanechnikov, |(_, k)| *k),
+            kernel: Kernel::named(&parameters.text("kernel")).unwrap_or_default(),
             radius: parameters.number("radius", |r| r >= 0.0, positive_or_zero)?,
             surface_radius: parameters.number("surface_radius", |r| r >= 0.0, positive_or_zero)?,
             blur: parameters.number("blur", |b| b > 0.0, "a number above 0")?,
