@@ -22,8 +22,8 @@ fn in_cube(rng: &mut Rng) -> Vec3 {
     2.0 * Vec3::new(rng.f32(), rng.f32(), rng.f32()) - 1.0
 }
 
-/// Visits what a probe meets.
-struct Count<'a, M: Merge> {
+/// Visits what a probe meets: counts it alone, or takes the kernel of each as well.
+struct Count<'a, M: Merge, const KERNEL: bool> {
     merge: &'a M,
     store: &'a M::Store,
     probe: &'a M::Probe,
@@ -32,7 +32,7 @@ struct Count<'a, M: Merge> {
     sum: f32,
 }
 
-impl<M: Merge> Visit for Count<'_, M> {
+impl<M: Merge, const KERNEL: bool> Visit for Count<'_, M, KERNEL> {
     const ANNOUNCES: bool = true;
 
     #[inline(always)]
@@ -43,6 +43,10 @@ impl<M: Merge> Visit for Count<'_, M> {
     #[inline(always)]
     fn leaf<L: Lanes>(&mut self, leaf: u32, t_max: f32) -> f32 {
         let mut lanes = self.merge.touches::<L>(self.probe, self.store.block(leaf));
+        if !KERNEL {
+            self.hits += u64::from(lanes.count_ones());
+            return t_max;
+        }
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize & 7;
             lanes &= lanes - 1;
@@ -55,9 +59,9 @@ impl<M: Merge> Visit for Count<'_, M> {
     }
 }
 
-struct Query<'a, 'b, M: Merge>(&'a mut Count<'b, M>, BeamProbe);
+struct Query<'a, 'b, M: Merge, const KERNEL: bool>(&'a mut Count<'b, M, KERNEL>, BeamProbe);
 
-impl<M: Merge<Probe = BeamProbe>> Kernel for Query<'_, '_, M> {
+impl<M: Merge<Probe = BeamProbe>, const KERNEL: bool> Kernel for Query<'_, '_, M, KERNEL> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
@@ -106,12 +110,13 @@ fn best(what: &str, mut run: impl FnMut() -> f64) {
     println!("{what:44} {:7.0} k queries/s, {per_query:.1} each", QUERIES as f64 / best * 1e-3);
 }
 
-fn queries<M: Merge<Probe = BeamProbe>>(what: &str, merge: &M, store: &M::Store) {
+fn queries<M: Merge<Probe = BeamProbe>, const KERNEL: bool>(what: &str, merge: &M, store: &M::Store) {
     best(what, || {
         let mut hits = 0;
         for i in 0..QUERIES {
             let probe = probe(i);
-            let mut count = Count { merge, store, probe: &probe, rng: Rng::keyed(1, 1, i), hits: 0, sum: 0.0 };
+            let rng = Rng::keyed(1, 1, i);
+            let mut count = Count::<M, KERNEL> { merge, store, probe: &probe, rng, hits: 0, sum: 0.0 };
             Level::dispatch(Query(&mut count, probe));
             hits += count.hits;
             black_box(count.sum);
@@ -155,7 +160,8 @@ fn main() {
         timed("1 M points, first build", || points.rebuild(&photons));
         timed("1 M points, build again", || points.rebuild(&photons));
         println!("{:44} {:7.1} bytes a point", "", points.memory_bytes() as f64 / photons.len() as f64);
-        queries("1 M points, radius 0.01, length 0.5", &BeamPoint2D { kernel }, &points);
+        queries::<_, false>("1 M points, radius 0.01, length 0.5", &BeamPoint2D { kernel }, &points);
+        queries::<_, true>("   and the kernel of each", &BeamPoint2D { kernel }, &points);
         let cube = |p: Vec3, r: f32| Aabb { min: p - r, max: p + r };
         let boxes: Vec<Aabb> = photons.iter().map(|p| cube(p.position, p.radius)).collect();
         let mut curve = Bvh::default();
@@ -184,6 +190,7 @@ fn main() {
         timed("100 k beams, build again", || store.rebuild(&beams, BeamRadius::Fixed(0.003)));
         let (each, bytes) = (store.piece_count() as f64 / 1e5, store.memory_bytes() as f64 / 1e5);
         println!("{:44} {each:7.1} pieces and {bytes:.0} bytes a beam", "");
-        queries("100 k beams, radius 0.003, length 0.5", &BeamBeam1D { kernel }, &store);
+        queries::<_, false>("100 k beams, radius 0.003, length 0.5", &BeamBeam1D { kernel }, &store);
+        queries::<_, true>("   and the kernel of each", &BeamBeam1D { kernel }, &store);
     });
 }
