@@ -47,8 +47,7 @@ fn parts_add_up_to_the_picture() {
         for (method, set) in METHODS {
             let what = format!("{name}, {method} {set:?}");
             let kept = render(&scene, described(method, set), 3, 2, 3, &[5]);
-            let settings =
-                Settings { integrator: Some(described(method, set)), seed: Some(3), ..Settings::default() };
+            let settings = Settings { integrator: Some(described(method, set)), seed: Some(3), ..Settings::default() };
             let mut plain = Rendering::new(&scene, &settings).unwrap();
             plain.add_passes(5).unwrap();
             assert_eq!(plain.pyramid().count(), 0);
@@ -125,7 +124,8 @@ fn agree(what: &str, found: &[(Technique, f64, f64)], precise: f64, blur: f64, t
         let (_, truth, of_truth) = found.iter().find(|(technique, ..)| *technique == sampled).unwrap();
         let allowed = if matches!(technique, Technique::Merge { .. }) { blur * truth } else { 0.0 };
         let noise = sigma.hypot(*of_truth);
-        let line = format!("{what}, {technique}: {:+.2} +- {:.2} %", 100.0 * (mean / truth - 1.0), 100.0 * noise / truth);
+        let line =
+            format!("{what}, {technique}: {:+.2} +- {:.2} %", 100.0 * (mean / truth - 1.0), 100.0 * noise / truth);
         println!("{line}");
         assert!(*truth > 0.0 && noise <= precise * truth, "{line}: no test");
         let off = (mean - truth).abs();
@@ -180,10 +180,12 @@ fn every_technique_finds_all_light_in_fog() {
         Technique::Merge { merging, .. } => matches!(merging, Merging::BeamPoint | Merging::BeamBeam),
         Technique::Longer => false,
     });
-    // Balls take a larger radius for as little noise, and lose more.
-    let set = [("max_depth", "3"), ("photons", "6000"), ("radius", "0.05"), ("alpha", "1"), ("techniques", "bpt,pp3d")];
+    // Balls take a larger radius for as little noise, and lose more: r S / V times 3/16, and up to twice that where the faces are
+    // the brightest places.
+    let set =
+        [("max_depth", "3"), ("photons", "12000"), ("radius", "0.05"), ("alpha", "1"), ("techniques", "bpt,pp3d")];
     let found = alone(&scene, &described("upbp", &set), 3, 200);
-    agree("fog", &found, 0.03, 0.03, |technique| matches!(technique, Technique::Merge { .. }));
+    agree("fog", &found, 0.03, 0.056, |technique| matches!(technique, Technique::Merge { .. }));
 }
 
 #[test]
@@ -215,8 +217,7 @@ fn light_paths_and_what_they_leave_are_counted() {
             <translate y="-1"/></transform><bsdf type="diffuse"/></shape>"#,
     );
     let counts = |name: &str, set: &[(&str, &str)], threads| {
-        let settings =
-            Settings { integrator: Some(described(name, set)), seed: Some(1), threads: Some(threads) };
+        let settings = Settings { integrator: Some(described(name, set)), seed: Some(1), threads: Some(threads) };
         let mut rendering = Rendering::new(&scene, &settings).unwrap();
         rendering.add_passes(3).unwrap();
         rendering.counts()
@@ -230,7 +231,10 @@ fn light_paths_and_what_they_leave_are_counted() {
         let found = counts(name, set, 2);
         assert_eq!(found.light_paths, light_paths, "{name} {set:?}");
         // Nearly all light falls on the floor, from where little comes back.
-        assert!((0.8 * light_paths as f64..1.3 * light_paths as f64).contains(&(found.photons as f64)), "{name} {set:?}");
+        assert!(
+            (0.8 * light_paths as f64..1.3 * light_paths as f64).contains(&(found.photons as f64)),
+            "{name} {set:?}"
+        );
         assert_eq!(found, counts(name, set, 1));
     }
 }

@@ -7,7 +7,7 @@ const ownExposures = new Map();
 const exposureOf = (entry) => {
   const picture = state.even ? pictureNow(entry.picture) : null;
   if (!picture) return state.exposure[state.scene];
-  if (!ownExposures.has(entry.picture)) ownExposures.set(entry.picture, usualExposure(picture));
+  if (!ownExposures.has(entry.picture)) ownExposures.set(entry.picture, usualExposure(picture, 20));
   return ownExposures.get(entry.picture);
 };
 
@@ -27,7 +27,7 @@ const pyramidCell = (cell, width, ratio) => {
   const method = scene.methods[cell.method];
   const thumb = element("canvas", { width: Math.round(width * ratio), height: Math.round(height * ratio), style: { width: `${width}px`, height: `${height}px` } });
   const share = element("span", {});
-  const button = element("button", { type: "button", title: `${method.name}: ${method.description}`, "aria-label": `${method.name}: ${method.description}`, click: (event) => {
+  const button = element("button", { type: "button", style: { width: `${width + 4}px` }, title: `${method.name}: ${method.description}`, "aria-label": `${method.name}: ${method.description}`, click: (event) => {
     if (event.shiftKey) change({ b: cell.method });
     else change({ a: cell.method, b: cell.method === state.b ? state.a : state.b });
   } }, thumb, element("span", { class: "caption" }, element("span", { class: "mark" }, cell.label), share));
@@ -37,19 +37,17 @@ const pyramidCell = (cell, width, ratio) => {
 
 const buildPyramid = () => {
   const { pyramids, note } = report.grid;
-  const most = Math.max(...pyramids.map(({ rows }) => Math.max(...rows.map((row) => row.cells.length))));
   const ratio = window.devicePixelRatio || 1;
-  const width = clamp(Math.floor((byId("overview").clientWidth - 84) / most) - 10, innerWidth < 640 ? 84 : 72, 168);
+  const room = byId("overview").clientWidth;
+  // The joins take all of the width, merges half of it where there is enough.
   const build = ({ heading, share, rows }, i) => {
-    const cells = Math.max(...rows.map((row) => row.cells.length));
-    // Columns are half as wide as pictures: rows are centred by as many halves as they are short of pictures.
-    const line = (row) => {
-      const side = () => (cells > row.cells.length ? element("td", { colspan: cells - row.cells.length }) : null);
-      const head = element("th", { scope: "row" }, row.name, element("span", { class: "share" }, percent(row.share)));
-      return element("tr", {}, head, side(), ...row.cells.map((cell) => element("td", { colspan: 2 }, pyramidCell(cell, width, ratio))), side());
-    };
+    const most = Math.max(...rows.map((row) => row.cells.length));
+    const width = innerWidth < 640 ? 84 : clamp(Math.floor(((i ? room / 2 - 20 : room) - 74) / most) - 8, 72, 168);
+    const line = (row) => element("div", { class: "line" },
+      element("div", { class: "name", title: "part of the picture's light" }, element("b", {}, row.name), element("span", { class: "share" }, percent(row.share))),
+      element("div", { class: "cells" }, ...row.cells.map((cell) => pyramidCell(cell, width, ratio))));
     return element("figure", { class: "pyramid" }, element("figcaption", {}, heading, " ", element("span", { class: "share" }, i ? percent(share) : "")),
-      element("div", { class: "scroller" }, element("table", {}, element("tbody", {}, ...rows.map(line)))));
+      element("div", { class: "scroller" }, element("div", { class: "lines" }, ...rows.map(line))));
   };
   byId("pyramids").replaceChildren(...pyramids.map(build));
   byId("pyramids").addEventListener("keydown", moveInPyramid);

@@ -113,7 +113,8 @@ impl Catalogue {
             Technique::Longer => 0,
         };
         let row = technique.depth().map_or(usize::MAX, |depth| depth as usize - 1);
-        let index = if row < width - 1 { row * (1 + Merging::ALL.len()) * width + column } else { self.numbers.len() - 1 };
+        let index =
+            if row < width - 1 { row * (1 + Merging::ALL.len()) * width + column } else { self.numbers.len() - 1 };
         let number = self.numbers[index];
         (number != NONE).then_some(usize::from(number))
     }
@@ -141,9 +142,8 @@ mod tests {
         let no_merges = |technique| !matches!(technique, Technique::Merge { .. });
         let joins = Catalogue::new(3, no_merges);
         let names: Vec<String> = joins.techniques().iter().map(|t| t.to_string()).collect();
-        let expected = [
-            "d1-s0-t2", "d2-s0-t3", "d2-s1-t2", "d2-s2-t1", "d3-s0-t4", "d3-s1-t3", "d3-s2-t2", "d3-s3-t1", "longer",
-        ];
+        let expected =
+            ["d1-s0-t2", "d2-s0-t3", "d2-s1-t2", "d2-s2-t1", "d3-s0-t4", "d3-s1-t3", "d3-s2-t2", "d3-s3-t1", "longer"];
         assert_eq!(names, expected);
         assert_eq!(joins.number(Technique::Join { light: 9, camera: 1 }), Some(8));
         let merge = |light, camera| Technique::Merge { merging: Merging::BeamBeam, light, camera };

@@ -11,8 +11,8 @@ pub use picture::Picture;
 pub use pyramid::{PyramidError, TechniquePicture};
 
 use crate::film::Splats;
-use crate::film::pixels::{PixelSum, Pixels, Tile};
 use crate::film::layers::LayerSplat;
+use crate::film::pixels::{PixelSum, Pixels, Tile};
 use crate::film::splats::{Screen, SplatSums};
 use crate::integrators::{self, Counts, Integrator, Job, ParameterError, RareEvents};
 use crate::mis::Record;

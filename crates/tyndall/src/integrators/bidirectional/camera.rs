@@ -101,8 +101,7 @@ impl<'a, R: Recorder> CameraPath<'a, R> {
         for light in self.light.iter().take_while(|light| light.vertex.scatterings <= room) {
             let Some(join) = join(self.scene, &light.vertex, vertex, sampler.rng()) else { continue };
             let weight = mis::weigh_join(self.effort, &light.end, camera, &join);
-            let technique =
-                Technique::Join { light: light.vertex.scatterings + 2, camera: vertex.scatterings + 2 };
+            let technique = Technique::Join { light: light.vertex.scatterings + 2, camera: vertex.scatterings + 2 };
             self.add(technique, vertex.throughput * light.vertex.throughput * join.value, weight);
         }
     }

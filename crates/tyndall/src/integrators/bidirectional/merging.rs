@@ -49,7 +49,9 @@ impl<R: Recorder, W: Fn(u32, &Meet, Vec3, Vec3) -> f32> Weigher for Scales<'_, R
     fn met(&self, tag: Tag, seen: Spectrum, weight: f32) {
         let (light, camera) = (tag.scatterings() + 2, self.scatterings + 2);
         let technique = Technique::Merge { merging: self.merging, light, camera };
-        self.record.add(technique, seen / self.paths, seen / (self.paths * weight));
+        let weighted = seen / self.paths;
+        // What others find infinitely better is left out of both.
+        self.record.add(technique, weighted, if weight > 0.0 { weighted / weight } else { Spectrum::ZERO });
     }
 }
 
