@@ -100,6 +100,21 @@ pub(crate) struct Render {
     #[arg(long, help_heading = "Output")]
     pub(crate) variance: bool,
 
+    /// Also write what each technique of a bidirectional method adds to the picture into this folder
+    ///
+    /// For every technique there is NAME-weighted.exr, its part of the picture, and NAME-unweighted.exr, what it would show
+    /// if it were the only one; index.html shows all of them, pyramid.json lists them.
+    #[arg(long, value_name = "FOLDER", help_heading = "Output",
+          conflicts_with_all = ["checkpoint", "resume", "keep_checkpoint"])]
+    pub(crate) pyramid: Option<PathBuf>,
+
+    /// Depth of paths up to which techniques are told apart, 1 to 32 [default: 6]
+    ///
+    /// 1 is emitted light seen directly. Each technique takes 48 bytes of memory for every pixel.
+    #[arg(long, value_name = "N", requires = "pyramid", help_heading = "Output",
+          value_parser = clap::value_parser!(u32).range(1..=32))]
+    pub(crate) pyramid_depth: Option<u32>,
+
     #[command(flatten)]
     pub(crate) encoding: Encoding,
 

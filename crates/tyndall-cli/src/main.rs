@@ -15,6 +15,7 @@ mod leash;
 mod load;
 mod output;
 mod progress;
+mod pyramid;
 mod render;
 mod series;
 mod state;

@@ -9,6 +9,7 @@ use crate::interrupt;
 use crate::load::{self, build};
 use crate::output::Target;
 use crate::progress::{Progress, quantity, time};
+use crate::pyramid::Pyramid;
 use crate::series::Series;
 use crate::statistics::{Moment, Statistics, peak_memory};
 use std::ops::ControlFlow;
@@ -48,6 +49,7 @@ pub(crate) fn run(args: &args::Render) -> Result<ExitCode, Failure> {
 
     let settings = Settings { threads: args.threads.map(|n| n as usize), ..Settings::default() };
     let mut rendering = Rendering::new(&scene, &settings).map_err(Failure::other)?;
+    let pyramid = Pyramid::begin(args, &mut rendering)?;
     let setup = [load, started.elapsed()];
     let budget = if args.measuring.include_load { without(budget, setup[0] + setup[1]) } else { budget };
     for warning in rendering.warnings() {
@@ -68,6 +70,9 @@ pub(crate) fn run(args: &args::Render) -> Result<ExitCode, Failure> {
     let mut series = series(args, budget)?;
     let interrupted = spend(&mut rendering, budget, pixels, checkpoints.as_mut(), series.as_mut(), console)?;
     outputs.write(&rendering, args)?;
+    if let Some(pyramid) = &pyramid {
+        pyramid.write(&rendering, &args.scene, console)?;
+    }
     if let Some(checkpoints) = &mut checkpoints {
         if interrupted || args.keep_checkpoint { checkpoints.write(&rendering)? } else { checkpoints.remove()? }
     }
@@ -224,7 +229,7 @@ impl std::fmt::Display for Outputs {
 }
 
 /// What an .exr says about itself. Equal renders differ in `seconds` only.
-fn metadata(rendering: &Rendering, scene: &args::SceneFile) -> Vec<(String, String)> {
+pub(crate) fn metadata(rendering: &Rendering, scene: &args::SceneFile) -> Vec<(String, String)> {
     let desc = rendering.integrator();
     let defines = scene.define.iter().map(|(name, value)| format!("{name}={value}")).collect::<Vec<_>>().join(" ");
     let name = scene.path.file_name().unwrap_or_default().to_string_lossy();

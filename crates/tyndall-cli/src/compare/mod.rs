@@ -59,6 +59,7 @@ pub(crate) fn run(args: &Compare) -> Result<ExitCode, Failure> {
         command: own_command(),
         scenes: Vec::new(),
         quantities: Quantity::ALL.map(Quantity::describe).into(),
+        grid: None,
     };
     let mut pictures = Pictures::default();
     for ((subject, entry), given) in subjects.iter().zip(&experiment.scenes).zip(given) {
@@ -181,7 +182,7 @@ fn summary(report: &Report, console: Console) {
 }
 
 /// What was typed.
-fn own_command() -> String {
+pub(crate) fn own_command() -> String {
     let arguments: Vec<OsString> = std::env::args_os().skip(1).collect();
     shown(&[vec!["tyndall".into()], arguments].concat())
 }

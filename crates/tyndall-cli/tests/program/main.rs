@@ -6,6 +6,7 @@ mod compare;
 mod errors;
 mod images;
 mod photons;
+mod pyramid;
 mod render;
 
 use std::path::{Path, PathBuf};

@@ -5,5 +5,6 @@ mod common;
 
 mod closed_forms;
 mod merging;
+mod pyramid;
 mod reciprocity;
 mod weights;

@@ -56,7 +56,7 @@ const insetFigure = (insets, scale) => {
   context.fillRect(0, 0, sheet.width, sheet.height);
   const paste = (entry, region, x, y, w, h, colour) => {
     const piece = element("canvas", { width: Math.max(1, Math.round(w)), height: Math.max(1, Math.round(h)) });
-    painter.paintAll([{ canvas: piece, entry, reference: against(), display: displayOf(entry), exposure: state.exposure[state.scene], region }]);
+    painter.paintAll([{ canvas: piece, entry, reference: against(), display: displayOf(entry), exposure: exposureOf(entry), region }]);
     context.drawImage(piece, x, y);
     if (!colour) return;
     context.strokeStyle = colour;
@@ -121,13 +121,13 @@ const drawInsets = () => {
       return element("div", { class: "inset-row" }, tools, ...crops);
     }));
   }
-  const shown = JSON.stringify([signature, state.display, state.exposure, state.tone, state.display === "colour" ? 0 : rangeNow(), against()?.index, list.map((e) => Boolean(pictureNow(e.picture)))]);
+  const shown = JSON.stringify([signature, state.display, state.exposure, state.even, state.tone, state.display === "colour" ? 0 : rangeNow(), against()?.index, list.map((e) => Boolean(pictureNow(e.picture)))]);
   if (shown === paintedInsets) return;
   paintedInsets = shown;
   const rows = [...byId("inset-rows").querySelectorAll(".inset-row")];
   painter.paintAll(rows.flatMap((row, i) => [...row.querySelectorAll("figure")].map((figure) => {
     const entry = list.find((e) => String(e.index) === figure.dataset.entry);
-    return { canvas: figure.querySelector("canvas"), entry, reference: against(), display: displayOf(entry), exposure: state.exposure[state.scene], region: insets[i] };
+    return { canvas: figure.querySelector("canvas"), entry, reference: against(), display: displayOf(entry), exposure: exposureOf(entry), region: insets[i] };
   })));
 };
 

@@ -4,6 +4,7 @@ const KEYS = [
   ["Space", "show the other one (A or B)"], ["1 2 3", "layout: single, split, tiles"], ["← → ↑ ↓", "pan"], ["+ −", "zoom"], ["0", "whole picture"], ["P", "one pixel each"],
   ["A B", "next picture as A or B (⇧ previous)"], ["X", "swap A and B"], ["[ ]", "scene before or after"], [", .", "move the split"], ["E", "brighter (⇧ darker)"],
   ["O", "exposure from the picture"], ["D", "colours, errors, FLIP (⇧ back)"], ["C", "next curve"], ["I", "mark an inset"], ["W", "fill the window"], ["L", "copy a link to this view"], ["?", "these keys"],
+  ...(report.grid ? [["U", "weighted or unweighted"], ["G", "every picture at its own exposure"], ["← → ↑ ↓", "in the grid: the next picture"]] : []),
 ];
 
 const fill = (select, list) => select.replaceChildren(...list.map(([value, text]) => element("option", { value }, text)));
@@ -11,7 +12,10 @@ const fill = (select, list) => select.replaceChildren(...list.map(([value, text]
 const step = (list, value, by) => list[(list.indexOf(value) + by + list.length) % list.length];
 const stepEntry = (which, by) => change({ [which]: step(entries(currentScene()).map((e) => e.index), state[which], by), flipped: false });
 const displays = () => DISPLAYS.filter(([name]) => (name !== "flip" || currentScene().methods.some((m) => m.flip !== null)) && (name === "colour" || name === "flip" || entries(currentScene()).length > 1));
-const expose = (stops) => { state.exposure[state.scene] = clamp(stops, -20, 20); change(); };
+const expose = (stops) => {
+  state.exposure = state.exposure.map((old, i) => (i === state.scene || report.grid ? clamp(stops, -20, 20) : old));
+  change();
+};
 const autoExpose = () => {
   const picture = pictureNow((entryOf(REFERENCE) ?? entryOf(state.a))?.picture);
   if (picture) expose(usualExposure(picture));
@@ -66,7 +70,7 @@ const drawControls = () => {
 };
 
 const buildControls = () => {
-  byId("scene-field").hidden = report.scenes.length < 2;
+  byId("scene-field").hidden = report.scenes.length < 2 || Boolean(report.grid);
   fill(byId("scene"), report.scenes.map((scene, i) => [i, scene.name]));
   fill(byId("tone"), TONES);
   fill(byId("display"), displays());
@@ -116,7 +120,7 @@ const listenToKeys = () => document.addEventListener("keydown", (event) => {
     "[": () => chooseScene(Math.max(0, state.scene - 1)), "]": () => chooseScene(Math.min(report.scenes.length - 1, state.scene + 1)),
     ",": () => change({ split: clamp(state.split - 0.02, 0, 1) }), ".": () => change({ split: clamp(state.split + 0.02, 0, 1) }),
     e: () => expose(state.exposure[state.scene] + 0.5 * by), o: autoExpose, d: () => change({ display: step(names, state.display, by) }),
-    c: () => change({ tone: step(TONES.map(([name]) => name), state.tone, by) }), i: () => setMarking(marking === null), w: toggleWide, l: copyLink, "?": () => byId("help").showModal(),
+    c: () => change({ tone: step(TONES.map(([name]) => name), state.tone, by) }), i: () => setMarking(marking === null), w: toggleWide, u: toggleWeights, g: toggleEven, l: copyLink, "?": () => byId("help").showModal(),
     escape: () => { setMarking(false); if (document.body.classList.contains("wide")) toggleWide(); },
   };
   const action = actions[event.key.toLowerCase()];
@@ -142,7 +146,7 @@ const start = () => {
   const measured = report.scenes.some((scene) => scene.reference);
   byId("title").textContent = report.title;
   const several = (n, word) => `${n} ${word}${n === 1 ? "" : "s"}`;
-  const parts = measured
+  const parts = report.grid ? [report.budget] : measured
     ? [`${several(report.scenes.length, "scene")} × ${several(count, "method")}`, report.budget, report.repeats > 1 ? `median of ${report.repeats} repeats` : "one render each", `${several(report.machine.threads, "thread")}${report.machine.processor ? ` on ${report.machine.processor}` : ""}`]
     : [several(report.scenes.reduce((sum, scene) => sum + scene.methods.length, 0), "picture")];
   byId("subtitle").textContent = parts.filter(Boolean).join("  ·  ");
@@ -152,7 +156,7 @@ const start = () => {
   defaults();
   if (entries(currentScene()).length < 2) state.mode = "single";
   readAddress();
-  buildGrid();
+  (report.grid ? buildPyramid : buildGrid)();
   buildControls();
   buildCommands();
   listenToStage();
@@ -165,7 +169,7 @@ const start = () => {
       complain(`Something went wrong: ${error.message}`);
     }
   };
-  [drawControls, drawStage, drawGrid, drawInsets, drawFigures].forEach((part) => onChange(guarded(part)));
+  [drawControls, drawPyramid, drawStage, drawGrid, drawInsets, drawFigures].forEach((part) => onChange(guarded(part)));
   let drawnPlot = "";
   const plotIfNew = () => {
     const signature = JSON.stringify([state.scene, state.metric, byId("chart").clientWidth]);

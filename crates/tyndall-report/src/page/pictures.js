@@ -99,13 +99,13 @@ const rangeNow = () => {
 };
 
 /** The exposure at which the picture's bright parts are just not clipped. */
-const usualExposure = (picture) => {
+const usualExposure = (picture, most = 10) => {
   const step = Math.max(1, Math.floor((picture.width * picture.height) / 20000));
   const values = [];
   for (let i = 0; i < picture.width * picture.height; i += step) {
     values.push(Math.max(...pixelAt(picture, i % picture.width, Math.floor(i / picture.width))));
   }
   values.sort((a, b) => a - b);
-  const bright = values[Math.floor(values.length * 0.97)];
-  return bright > 0 ? clamp(Math.round(-10 * Math.log2(bright / 0.9)) / 10, -10, 10) : 0;
+  const bright = values[Math.floor(values.length * 0.97)] || values.at(-1);
+  return bright > 0 ? clamp(Math.round(-10 * Math.log2(bright / 0.9)) / 10, -most, most) : 0;
 };

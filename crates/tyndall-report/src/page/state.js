@@ -16,6 +16,7 @@ const entries = (scene) => {
 };
 
 const firstPair = (scene) => {
+  if (report.grid) return report.grid.first;
   const list = entries(scene).map((entry) => entry.index);
   const rank = (index) => scene.methods[index].figures.relmse?.median ?? Infinity;
   const best = list.filter((index) => index >= 0).sort((x, y) => rank(x) - rank(y));
@@ -25,7 +26,7 @@ const firstPair = (scene) => {
 
 const state = {
   scene: 0, mode: "split", a: 0, b: 0, flipped: false, split: 0.5, display: "colour", tone: "srgb", range: null,
-  exposure: report.scenes.map(() => 0), zoom: 1, x: 0.5, y: 0.5, metric: "relmse",
+  exposure: report.scenes.map(() => report.grid?.exposure ?? 0), even: false, zoom: 1, x: 0.5, y: 0.5, metric: "relmse",
   insets: report.scenes.map((scene) => scene.insets.map((inset) => ({ ...inset }))),
 };
 
@@ -51,6 +52,7 @@ const writeAddress = () => {
     insets: state.insets.map((list) => list.map((i) => [i.x, i.y, i.width, i.height].join(",")).join(";")).join("|"),
   };
   if (state.flipped) fields.flip = 1;
+  if (state.even) fields.even = 1;
   if (state.range !== null) fields.range = round(state.range);
   history.replaceState(null, "", `#${new URLSearchParams(fields)}`);
 };
@@ -74,6 +76,7 @@ const readAddress = () => {
   state.a = indexOf(fields.get("a")) ?? state.a;
   state.b = indexOf(fields.get("b")) ?? state.b;
   state.flipped = fields.get("flip") === "1";
+  state.even = fields.get("even") === "1";
   state.range = finite(fields.get("range"), -4, 3, null);
   state.zoom = finite(fields.get("zoom"), 0.1, 400, state.zoom);
   state.split = finite(fields.get("split"), 0, 1, state.split);
@@ -112,5 +115,7 @@ const chooseScene = (index) => {
   const names = [nameOf(state.a), nameOf(state.b)];
   state.scene = index;
   defaults();
-  change({ a: indexOf(names[0]) ?? state.a, b: indexOf(names[1]) ?? state.b, zoom: 1, x: 0.5, y: 0.5, flipped: false });
+  const pair = { a: indexOf(names[0]) ?? state.a, b: indexOf(names[1]) ?? state.b };
+  // Techniques are looked at in the same place, with weights and without.
+  change(report.grid ? pair : { ...pair, zoom: 1, x: 0.5, y: 0.5, flipped: false });
 };

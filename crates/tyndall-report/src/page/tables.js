@@ -52,14 +52,14 @@ const drawGrid = () => {
   const range = state.display === "colour" ? 0 : rangeNow();
   for (const { scene, entry, button } of thumbs) {
     const here = scene === state.scene;
-    button.setAttribute("aria-current", here && entry.index === state.a);
-    button.classList.toggle("second", here && entry.index === state.b && state.mode !== "tiles" && entry.index !== state.a);
+    button.setAttribute("aria-current", here && entry?.index === state.a);
+    button.classList.toggle("second", here && entry?.index === state.b && state.mode !== "tiles" && entry.index !== state.a);
   }
-  const jobs = thumbs.map((item) => {
+  const jobs = thumbs.filter((item) => item.entry).map((item) => {
     const { width, height } = report.scenes[item.scene];
-    const reference = entries(report.scenes[item.scene]).find((e) => e.index === REFERENCE) ?? item.entry;
-    const [display, exposure] = [displayOf(item.entry), state.exposure[item.scene]];
-    const signature = `${exposure} ${state.tone} ${display} ${range}`;
+    const reference = entries(report.scenes[item.scene]).find((e) => e.index === REFERENCE) ?? (report.grid ? against() : item.entry);
+    const [display, exposure] = [displayOf(item.entry), state.even ? exposureOf(item.entry) : state.exposure[item.scene]];
+    const signature = `${item.scene} ${exposure} ${state.tone} ${display} ${range} ${report.grid && display !== "colour" ? reference.index : ""}`;
     return { canvas: item.thumb, entry: item.entry, reference, display, exposure, region: { x: 0, y: 0, width, height }, item, signature };
   });
   // Each only when what it shows has changed.
@@ -146,8 +146,8 @@ const drawRemarks = (scene) => {
 
 const buildCommands = () => {
   byId("commands").hidden = !report.command;
-  const blocks = [element("p", { class: "quiet small" }, "The whole comparison:"), element("pre", {}, report.command)];
-  for (const scene of report.scenes) {
+  const blocks = [element("p", { class: "quiet small" }, report.grid ? "This page:" : "The whole comparison:"), element("pre", {}, report.command)];
+  for (const scene of report.grid ? [] : report.scenes) {
     const lines = scene.methods.flatMap((method) => [`# ${method.name}: ${method.description}`, ...method.runs.map((run) => run.command), ""]);
     const reference = scene.reference?.commands.length ? ["# reference", ...scene.reference.commands, ""] : [];
     const variables = scene.variables.length ? ` (${scene.variables.map(([name, value]) => `${name}=${value}`).join(", ")})` : "";

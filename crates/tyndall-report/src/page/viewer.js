@@ -12,7 +12,6 @@ const panes = () => {
   const list = entries(currentScene());
   const [a, b] = [entryOf(state.a) ?? list[0], entryOf(state.b) ?? list[0]];
   if (!a) return [];
-  const exposure = state.exposure[state.scene];
   const place = (entry, x, y, w, h, clip = {}) => {
     const { width: columns, height: rows } = currentScene();
     // With the labels' room left free in tiles.
@@ -20,7 +19,7 @@ const panes = () => {
     const scale = fit * state.zoom;
     const texels = 1 / scale;
     const [left, top] = [state.x * columns - (w / 2) * texels, state.y * rows - (h / 2) * texels];
-    return { entry, reference: against(), x, y, width: w, height: h, left, top, texels, display: state.display, exposure, whole: { x, y, width: w, height: h }, ...clip };
+    return { entry, reference: against(), x, y, width: w, height: h, left, top, texels, display: state.display, exposure: exposureOf(entry), whole: { x, y, width: w, height: h }, ...clip };
   };
   if (state.mode === "single") return [place(state.flipped ? b : a, 0, 0, width, height)];
   if (state.mode === "split") {

@@ -4,6 +4,7 @@ mod csv;
 mod latex;
 pub mod page;
 mod pictures;
+mod pyramid;
 mod quantity;
 
 use crate::agreement::Agreement;
@@ -12,6 +13,7 @@ use crate::summary::{Figure, PowerLaw};
 pub use csv::csv;
 pub use latex::latex;
 pub use pictures::{Embedded, Pictures};
+pub use pyramid::{Grid, Part, PyramidPage};
 pub use quantity::Quantity;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -37,6 +39,9 @@ pub struct Report {
     pub scenes: Vec<Scene>,
     /// All quantities, for whoever reads the figures.
     pub quantities: Vec<quantity::Description>,
+    /// How the methods of each scene lie in a grid, where they are techniques of one picture.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grid: Option<Grid>,
 }
 
 /// What was computed on.

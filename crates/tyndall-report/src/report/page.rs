@@ -7,7 +7,7 @@ use std::fmt::Write;
 const TEMPLATE: &str = include_str!("../page/page.html");
 const STYLE: &str = include_str!("../page/style.css");
 /// In the order in which they use each other.
-const SCRIPTS: [&str; 9] = [
+const SCRIPTS: [&str; 10] = [
     include_str!("../page/format.js"),
     include_str!("../page/state.js"),
     include_str!("../page/pictures.js"),
@@ -16,6 +16,7 @@ const SCRIPTS: [&str; 9] = [
     include_str!("../page/insets.js"),
     include_str!("../page/plot.js"),
     include_str!("../page/tables.js"),
+    include_str!("../page/pyramid.js"),
     include_str!("../page/main.js"),
 ];
 

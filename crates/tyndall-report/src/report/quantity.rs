@@ -116,7 +116,9 @@ impl Quantity {
             Self::Samples => ("samples", "samples", "per pixel", None, "camera samples per pixel"),
             Self::SampleRate => ("sample_rate", "sample rate", "1/s", None, "camera samples per second of rendering"),
             Self::LightPaths => ("light_paths", "light paths", "", None, "light paths traced"),
-            Self::Photons => ("photons", "photons", "", None, "points, beams and planes that light paths left"),
+            Self::Photons => {
+                ("photons", "photons", "", None, "points, beams, planes and vertices that light paths left")
+            }
             Self::PhotonRate => ("photon_rate", "photon rate", "1/s", None, "photons per second of rendering"),
             Self::Memory => ("memory", "memory", "B", low, "peak resident memory of the process"),
         };

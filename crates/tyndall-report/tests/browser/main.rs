@@ -3,6 +3,7 @@
 //! Needs ChromeDriver with a Chromium (Debian: `chromium-driver`); says that it was skipped where there is none. Pictures of the
 //! window are left in `target/tmp/screenshots`.
 
+mod pyramid;
 mod sample;
 mod webdriver;
 
@@ -23,14 +24,14 @@ fn shots() -> PathBuf {
 }
 
 impl Desk {
-    fn open(screen: Screen) -> Option<Self> {
+    fn open(screen: Screen, page: &str) -> Option<Self> {
         let Some(driver) = chromedriver() else {
             // Past the capture of output: a skipped test has to say so.
             let _ = writeln!(std::io::stderr(), "SKIPPED: no chromedriver found, the page was not tried in a browser");
             return None;
         };
         let folder = tempfile::tempdir().unwrap();
-        std::fs::write(folder.path().join("index.html"), sample::page()).unwrap();
+        std::fs::write(folder.path().join("index.html"), page).unwrap();
         let desk = Self { browser: Browser::start(&driver, screen, folder.path()), folder };
         desk.go("");
         Some(desk)
@@ -108,7 +109,7 @@ impl Desk {
 
 #[test]
 fn on_a_desk() {
-    let Some(desk) = Desk::open(Screen::Desk) else { return };
+    let Some(desk) = Desk::open(Screen::Desk, &sample::page()) else { return };
     let browser = &desk.browser;
     assert_eq!(desk.text("title"), "Fog, \"smoke\" & <mirrors>");
     browser.run("document.documentElement.classList.remove('dark')");
@@ -221,7 +222,7 @@ fn on_a_desk() {
 
 #[test]
 fn on_a_phone() {
-    let Some(desk) = Desk::open(Screen::Phone) else { return };
+    let Some(desk) = Desk::open(Screen::Phone, &sample::page()) else { return };
     desk.shot("phone");
     let overflow = desk.number("document.documentElement.scrollWidth - innerWidth");
     assert!(overflow <= 0.0, "the page is {overflow} pixels wider than the screen");

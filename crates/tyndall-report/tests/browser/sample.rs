@@ -143,6 +143,7 @@ pub fn page() -> String {
         command: "tyndall compare ball.xml --with noisy,better,biased --time 16s --repeat 3".into(),
         scenes: ["ball in fog", "empty room"].map(|name| scene(name, &mut pictures)).into(),
         quantities: Quantity::ALL.map(Quantity::describe).into(),
+        grid: None,
     };
     page::page(&report, &pictures)
 }

@@ -114,18 +114,20 @@ impl<M: Merge, Q: Query<Probe = M::Probe>> Visitor<'_, M, Q> {
     /// One datum through the physics.
     #[inline(always)]
     fn take(&mut self, leaf: u32, lane: usize) {
-        if !self.query.accepts(self.store.tag(leaf, lane)) {
+        let tag = self.store.tag(leaf, lane);
+        if !self.query.accepts(tag) {
             return;
         }
         let Some(meet) = self.merge.meet(self.query.probe(), self.store, leaf, lane, self.rng) else { return };
         let x = self.query.position(meet.t);
         let light = self.store.arriving(leaf, lane, meet.s, x, self.query.medium());
-        let weight = meet.weight * self.query.weigh(self.store.index(leaf, lane), &meet, x, light.direction);
-        let mut seen = self.query.respond(meet.t, light.direction) * light.flux * weight;
+        let weight = self.query.weigh(self.store.index(leaf, lane), &meet, x, light.direction);
+        let mut seen = self.query.respond(meet.t, light.direction) * light.flux * (meet.weight * weight);
         if M::SHADOWED && !seen.is_black() {
             let bend = x - meet.s[1] * light.direction;
             seen *= self.query.look_through(bend, light.direction, meet.s[1], self.rng);
         }
+        self.query.met(tag, seen, weight);
         self.found.radiance += seen;
         self.found.count += 1;
     }

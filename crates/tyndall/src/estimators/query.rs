@@ -57,6 +57,10 @@ pub trait Query {
         1.0
     }
 
+    /// Told what a datum with this tag and this weight adds.
+    #[inline(always)]
+    fn met(&self, _tag: Tag, _seen: Spectrum, _weight: f32) {}
+
     /// The medium; `None` on surfaces.
     #[inline(always)]
     fn medium(&self) -> Option<&Medium> {

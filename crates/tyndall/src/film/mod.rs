@@ -1,6 +1,7 @@
 //! The picture: reconstruction filters, sums of samples, and light that is added anywhere.
 
 pub mod filter;
+pub mod layers;
 pub mod pixels;
 pub mod splats;
 

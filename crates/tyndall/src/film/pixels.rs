@@ -129,13 +129,18 @@ impl Pixels {
 
     /// `function` of every pixel, row by row over the whole picture.
     pub fn map<T: Clone + Default>(&self, function: impl Fn(&PixelSum) -> T) -> Vec<T> {
+        self.map_index(|index| function(&self.sums[index]))
+    }
+
+    /// `function` of every pixel's index among the sums, row by row over the whole picture.
+    pub fn map_index<T: Clone + Default>(&self, function: impl Fn(usize) -> T) -> Vec<T> {
         let mut rows = vec![T::default(); self.sums.len()];
-        let mut sums = self.sums.iter();
+        let mut indices = 0..self.sums.len();
         for tile in &self.tiles {
             for y in tile.y..tile.y + tile.height {
                 for x in tile.x..tile.x + tile.width {
-                    let sum = sums.next().expect("the tiles partition the picture");
-                    rows[y as usize * self.width as usize + x as usize] = function(sum);
+                    let index = indices.next().expect("the tiles partition the picture");
+                    rows[y as usize * self.width as usize + x as usize] = function(index);
                 }
             }
         }

@@ -16,6 +16,15 @@ struct Splat {
     value: Spectrum,
 }
 
+/// Where a contribution went.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Index of the pixel among the sums of [`Pixels`].
+    pub pixel: u32,
+    /// The factor of its filter.
+    pub filter: f32,
+}
+
 /// The part of the film that is rendered, and how light is spread over its pixels.
 #[derive(Clone, Copy, Debug)]
 pub struct Screen<'a> {
@@ -52,21 +61,23 @@ impl<'a> Splats<'a> {
     }
 
     /// Adds `value` at a `position` of the whole film, in pixels. One of the pixels whose filter takes the position in is
-    /// chosen with `u` in [0, 1)^2.
+    /// chosen with `u` in [0, 1)^2. Answers where it went; `None` when it is not shown.
     #[inline]
-    pub fn add(&mut self, position: Vec2, value: Spectrum, u: Vec2) {
+    pub fn add(&mut self, position: Vec2, value: Spectrum, u: Vec2) -> Option<Place> {
         if !value.is_finite() {
             self.non_finite += 1;
-            return;
+            return None;
         }
         let (x, weight_x) = self.screen.filter.choose_pixel(position.x, u.x);
         let (y, weight_y) = self.screen.filter.choose_pixel(position.y, u.y);
         let inside =
             |at: i64, origin: u32, size: u32| u32::try_from(at - i64::from(origin)).ok().filter(|&at| at < size);
         let Screen { origin, size, .. } = self.screen;
-        let (Some(x), Some(y)) = (inside(x, origin.0, size.0), inside(y, origin.1, size.1)) else { return };
+        let (x, y) = (inside(x, origin.0, size.0)?, inside(y, origin.1, size.1)?);
         let pixel = Pixels::index(size, x, y) as u32;
-        self.list.push(Splat { pixel, value: value * (weight_x * weight_y) });
+        let filter = weight_x * weight_y;
+        self.list.push(Splat { pixel, value: value * filter });
+        Some(Place { pixel, filter })
     }
 }
 

@@ -14,6 +14,7 @@ use crate::Spectrum;
 use crate::film::Splats;
 use crate::film::pixels::{PixelSum, Tile};
 use crate::math::{Sampler, Vec2};
+use crate::mis::{Catalogue, Record};
 use crate::photons::TraceError;
 use crate::scene::Scene;
 use crate::scene::desc::IntegratorDesc;
@@ -44,7 +45,7 @@ pub struct RareEvents {
 pub struct Counts {
     /// Light paths traced.
     pub light_paths: u64,
-    /// Points, beams and planes that they left.
+    /// Points, beams, planes and vertices that they left.
     pub photons: u64,
 }
 
@@ -69,9 +70,30 @@ pub trait Integrator: Send + Sync {
         false
     }
 
+    /// The same, which tells its techniques apart; `None` where there is but one way to find a path.
+    fn by_technique(&self) -> Option<&dyn ByTechnique> {
+        None
+    }
+
     /// Adds the job's passes to the tile's pixels, and to `splats` what belongs to any pixel. The result depends on the
     /// job alone.
     fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum], splats: &mut Splats) -> RareEvents;
+}
+
+/// An integrator whose techniques can be told apart.
+pub trait ByTechnique {
+    /// Its techniques in `scene` for paths of at most `max_depth`, and one for all that are longer if there are such.
+    fn catalogue(&self, scene: &Scene, max_depth: u32) -> Catalogue;
+
+    /// What [`Integrator::render`] does, to the bit, telling `record` every contribution.
+    fn render_recorded(
+        &self,
+        scene: &Scene,
+        job: &Job,
+        pixels: &mut [PixelSum],
+        splats: &mut Splats,
+        record: &Record,
+    ) -> RareEvents;
 }
 
 /// An entry of the registry.
@@ -127,6 +149,15 @@ pub static REGISTRY: &[IntegratorInfo] = &[
     composite::INFO,
 ];
 
+/// Names of the integrators whose techniques can be told apart.
+pub fn by_technique() -> impl Iterator<Item = &'static str> {
+    let apart = |info: &&IntegratorInfo| {
+        let desc = IntegratorDesc { name: info.name.into(), parameters: Vec::new() };
+        make(&desc).is_ok_and(|integrator| integrator.by_technique().is_some())
+    };
+    REGISTRY.iter().filter(apart).map(|info| info.name)
+}
+
 /// The entry called `name`, also by an alias.
 pub fn find(name: &str) -> Option<&'static IntegratorInfo> {
     REGISTRY.iter().find(|info| info.name == name || info.aliases.contains(&name))
@@ -150,6 +181,10 @@ struct Sample {
     pixel: u64,
     /// The pass.
     pass: u32,
+    /// Number of the pixel in the tile, row by row.
+    place: usize,
+    /// Weight of the filter.
+    weight: f32,
 }
 
 /// Adds one sample of `radiance` per pass to every pixel of the tile.
@@ -172,7 +207,7 @@ fn sample_pixels(
             let mut sampler = Sampler::new(job.seed, pixel, pass);
             let (offset, weight) = scene.filter.sample(sampler.vec2());
             let film = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + offset;
-            let radiance = weight * radiance(Sample { film, pixel, pass }, &mut sampler);
+            let radiance = weight * radiance(Sample { film, pixel, pass, place: i, weight }, &mut sampler);
             if radiance.is_finite() {
                 sum.add(radiance);
             } else {

@@ -3,9 +3,13 @@
 //! A path found by one technique could have been found by others. What the walks carry (see [`crate::walk::terms`]) sums
 //! up their densities on either side of the place where this one joins both walks; here the sums are put together.
 
+pub mod recorder;
+pub mod technique;
 pub mod weighed;
 
-pub use weighed::Weighed;
+pub use recorder::{Record, Recorder};
+pub use technique::{Catalogue, Technique};
+pub use weighed::{Weighed, Weigher};
 
 use crate::estimators::connect::{Join, Sight};
 use crate::estimators::transport::Turn;
@@ -98,6 +102,21 @@ pub enum Merging {
     BeamPoint,
     /// Beams.
     BeamBeam,
+}
+
+impl Merging {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Surface, Self::PointPoint, Self::BeamPoint, Self::BeamBeam];
+
+    /// The name among parameters.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Surface => "surf",
+            Self::PointPoint => "pp3d",
+            Self::BeamPoint => "bp2d",
+            Self::BeamBeam => "bb1d",
+        }
+    }
 }
 
 /// Weight of a merge.

@@ -9,15 +9,23 @@ use crate::photons::Tag;
 use crate::scene::Scene;
 use crate::scene::desc::MediumId;
 
-/// A query and the weight of each datum it meets: see [`Query::weigh`].
+/// The weights of data that a query meets.
+pub trait Weigher {
+    /// See [`Query::weigh`].
+    fn weigh(&self, datum: u32, meet: &Meet, x: Vec3, direction: Vec3) -> f32;
+    /// See [`Query::met`].
+    fn met(&self, tag: Tag, seen: Spectrum, weight: f32);
+}
+
+/// A query and the weight of each datum it meets.
 pub struct Weighed<Q, W> {
     /// The query.
     pub query: Q,
-    /// The weight, of the arguments of [`Query::weigh`].
-    pub weight: W,
+    /// The weights.
+    pub weigher: W,
 }
 
-impl<Q: Query, W: Fn(u32, &Meet, Vec3, Vec3) -> f32> Query for Weighed<Q, W> {
+impl<Q: Query, W: Weigher> Query for Weighed<Q, W> {
     const DIMENSION: u32 = Q::DIMENSION;
     const SPACE: u32 = Q::SPACE;
     type Probe = Q::Probe;
@@ -54,6 +62,11 @@ impl<Q: Query, W: Fn(u32, &Meet, Vec3, Vec3) -> f32> Query for Weighed<Q, W> {
 
     #[inline(always)]
     fn weigh(&self, datum: u32, meet: &Meet, x: Vec3, direction: Vec3) -> f32 {
-        (self.weight)(datum, meet, x, direction)
+        self.weigher.weigh(datum, meet, x, direction)
+    }
+
+    #[inline(always)]
+    fn met(&self, tag: Tag, seen: Spectrum, weight: f32) {
+        self.weigher.met(tag, seen, weight);
     }
 }

@@ -3,18 +3,23 @@
 pub mod budget;
 pub mod checkpoint;
 pub mod picture;
+pub mod pyramid;
 
 pub use budget::{Budget, Progress};
 pub use checkpoint::CheckpointError;
 pub use picture::Picture;
+pub use pyramid::{PyramidError, TechniquePicture};
 
 use crate::film::Splats;
+use crate::film::layers::LayerSplat;
 use crate::film::pixels::{PixelSum, Pixels, Tile};
 use crate::film::splats::{Screen, SplatSums};
 use crate::integrators::{self, Counts, Integrator, Job, ParameterError, RareEvents};
+use crate::mis::Record;
 use crate::photons::TraceError;
 use crate::scene::Scene;
 use crate::scene::desc::IntegratorDesc;
+use pyramid::Pyramid;
 use rayon::prelude::*;
 use std::ops::{ControlFlow, Range};
 use std::time::{Duration, Instant};
@@ -71,6 +76,14 @@ pub struct Rendering<'s> {
     passes: u32,
     busy: Duration,
     rare: RareEvents,
+    pyramid: Option<Pyramid>,
+}
+
+/// What a tile brought besides its pixels.
+struct Rendered<'a> {
+    splats: Splats<'a>,
+    layers: Vec<LayerSplat>,
+    events: RareEvents,
 }
 
 impl<'s> Rendering<'s> {
@@ -94,6 +107,7 @@ impl<'s> Rendering<'s> {
             passes: 0,
             busy: Duration::ZERO,
             rare: RareEvents::default(),
+            pyramid: None,
         })
     }
 
@@ -155,34 +169,56 @@ impl<'s> Rendering<'s> {
 
     /// Adds passes that share what was prepared. Answers how many samples were not finite.
     fn render_passes(&mut self, passes: Range<u32>) -> u64 {
-        let Self { scene, integrator, seed, pool, pixels, .. } = self;
+        let Self { scene, integrator, seed, pool, pixels, pyramid, .. } = self;
         let (scene, seed) = (*scene, *seed);
         let screen = Screen { filter: &scene.filter, origin: scene.crop_origin(), size: scene.picture_size() };
-        let render = |tiles: &mut [(Tile, &mut [PixelSum])]| -> Vec<(Splats, RareEvents)> {
+        // Pixels of the tiles so far.
+        let mut first = 0;
+        let mut render = |tiles: &mut [(Tile, &mut [PixelSum])]| -> Vec<Rendered> {
             let job = |tile| Job { seed, passes: passes.clone(), tile };
-            let tiles = tiles.par_iter_mut().with_max_len(1);
-            let rendered = tiles.map(|(tile, sums)| {
+            let count: usize = tiles.iter().map(|(tile, _)| tile.pixels()).sum();
+            let kept = match pyramid {
+                Some(pyramid) => pyramid.tiles(first, tiles),
+                None => tiles.iter().map(|_| None).collect(),
+            };
+            let rendered = tiles.par_iter_mut().zip(kept).with_max_len(1).map(|((tile, sums), kept)| {
                 let mut splats = Splats::new(screen);
-                let events = integrator.render(scene, &job(*tile), sums, &mut splats);
-                (splats, events)
+                let (events, layers) = match (integrator.by_technique(), kept) {
+                    (Some(apart), Some((catalogue, layers))) => {
+                        let record = Record::new(catalogue, layers);
+                        let events = apart.render_recorded(scene, &job(*tile), sums, &mut splats, &record);
+                        (events, record.into_splats())
+                    }
+                    _ => (integrator.render(scene, &job(*tile), sums, &mut splats), Vec::new()),
+                };
+                Rendered { splats, layers, events }
             });
-            pool.install(|| rendered.collect())
+            let rendered: Vec<Rendered> = pool.install(|| rendered.collect());
+            if let Some(pyramid) = pyramid {
+                rendered.iter().for_each(|tile| pyramid.add(&tile.layers));
+            }
+            first += count;
+            rendered
         };
-        let count = |(splats, events): &(Splats, RareEvents)| splats.non_finite + events.non_finite;
-        if !integrator.splats() {
-            return render(&mut pixels.tiles_mut()).iter().map(count).sum();
-        }
-        // A pixel's sample is what its camera path brings and what light paths of the whole picture add.
-        let mut samples = Pixels::new(pixels.width(), pixels.height());
-        let mut light = SplatSums::new(samples.sums().len());
+        let count = |tile: &Rendered| tile.splats.non_finite + tile.events.non_finite;
         let mut non_finite = 0;
-        for tiles in samples.tiles_mut().chunks_mut(SPLATTING_TILES) {
-            let rendered = render(tiles);
-            rendered.iter().for_each(|(splats, _)| light.add(splats));
-            non_finite += rendered.iter().map(count).sum::<u64>();
+        if integrator.splats() {
+            // A pixel's sample is what its camera path brings and what light paths of the whole picture add.
+            let mut samples = Pixels::new(pixels.width(), pixels.height());
+            let mut light = SplatSums::new(samples.sums().len());
+            for tiles in samples.tiles_mut().chunks_mut(SPLATTING_TILES) {
+                let rendered = render(tiles);
+                rendered.iter().for_each(|tile| light.add(&tile.splats));
+                non_finite += rendered.iter().map(count).sum::<u64>();
+            }
+            for ((pixel, sample), light) in pixels.sums_mut().iter_mut().zip(samples.sums()).zip(light.values()) {
+                pixel.add_values(std::array::from_fn(|c| sample.sum[c] + light[c]));
+            }
+        } else {
+            non_finite += render(&mut pixels.tiles_mut()).iter().map(count).sum::<u64>();
         }
-        for ((pixel, sample), light) in pixels.sums_mut().iter_mut().zip(samples.sums()).zip(light.values()) {
-            pixel.add_values(std::array::from_fn(|c| sample.sum[c] + light[c]));
+        if let Some(pyramid) = pyramid {
+            pyramid.end_passes(passes.end - passes.start);
         }
         non_finite
     }

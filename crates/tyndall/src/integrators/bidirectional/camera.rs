@@ -7,7 +7,7 @@ use crate::Spectrum;
 use crate::estimators::connect::join;
 use crate::estimators::transport::{SHORT_OF, departure, is_smooth, turn};
 use crate::math::{Ray, Sampler, Vec2};
-use crate::mis::{self, Lit};
+use crate::mis::{self, Lit, Recorder, Technique};
 use crate::scene::Scene;
 use crate::scene::emitter::LightEnd;
 use crate::walk::{
@@ -15,34 +15,44 @@ use crate::walk::{
 };
 
 /// The sink that turns a camera's walk into radiance.
-pub(super) struct CameraPath<'a> {
+pub(super) struct CameraPath<'a, R> {
     scene: &'a Scene,
     options: &'a Options,
     effort: &'a Effort,
     light: &'a [LightVertex],
-    merger: Merger<'a>,
+    merger: Merger<'a, R>,
+    record: &'a R,
     radiance: Spectrum,
     account: Account<'a, FromCamera>,
 }
 
-impl<'a> CameraPath<'a> {
+impl<'a, R: Recorder> CameraPath<'a, R> {
     /// Radiance arriving at the film position (pixels of the whole film), one sample, with light's vertices to join.
     pub(super) fn radiance(
         scene: &'a Scene,
         options: &'a Options,
         effort: &'a Effort,
         light: &'a [LightVertex],
-        merger: Merger<'a>,
+        merger: Merger<'a, R>,
         film: Vec2,
         sampler: &mut Sampler,
     ) -> Spectrum {
         let camera = scene.sensor.sample_ray(film, sampler.vec2());
         let account = Account::of_camera(scene, effort, &camera.ray);
-        let mut path = Self { scene, options, effort, light, merger, radiance: Spectrum::ZERO, account };
+        let record = merger.record;
+        let mut path = Self { scene, options, effort, light, merger, record, radiance: Spectrum::ZERO, account };
         let start =
             Start { ray: camera.ray, length: camera.t_max, medium: scene.camera_medium, throughput: Spectrum::ONE };
         walk::<FromCamera, _>(scene, start, &options.rules, sampler, &mut path);
         path.radiance
+    }
+
+    /// Light that counts by `weight`.
+    #[inline(always)]
+    fn add(&mut self, technique: Technique, seen: Spectrum, weight: f32) {
+        let weighted = seen * weight;
+        self.radiance += weighted;
+        self.record.add(technique, weighted, seen);
     }
 
     /// Light that the walk runs into, at the end seen from `x`.
@@ -51,16 +61,17 @@ impl<'a> CameraPath<'a> {
         if scatterings >= self.options.rules.max_depth || hidden || seen.is_black() {
             return;
         }
+        let technique = Technique::Join { light: 0, camera: scatterings + 2 };
         if scatterings == 0 {
-            self.radiance += seen;
-            return;
+            return self.add(technique, seen, 1.0);
         }
         let lights = &self.scene.lights;
         let lit =
             Lit { density: lights.end_density(end), sampled: lights.sampled_density(self.account.leg.start, end) };
         let Account { leg, edge, .. } = &self.account;
         let spread = if lit.density.parallel { 1.0 } else { leg.spread(end.position) };
-        self.radiance += seen * (self.effort.connect * mis::weigh_hit(&lit, leg, edge, spread));
+        let weight = self.effort.connect * mis::weigh_hit(&lit, leg, edge, spread);
+        self.add(technique, seen, weight);
     }
 
     /// Light from a sampled emitter.
@@ -80,7 +91,8 @@ impl<'a> CameraPath<'a> {
         let distance2 = light.distance * light.distance;
         let weight = mis::weigh_sampled(self.effort, &lit, camera, light.direction, &turn, &edge, distance2);
         let arriving = light.radiance * transmittance / light.pdf.0;
-        self.radiance += vertex.throughput * turn.value * arriving * weight;
+        let technique = Technique::Join { light: 1, camera: vertex.scatterings + 2 };
+        self.add(technique, vertex.throughput * turn.value * arriving, weight);
     }
 
     /// Light from the vertices of light's walk.
@@ -89,12 +101,13 @@ impl<'a> CameraPath<'a> {
         for light in self.light.iter().take_while(|light| light.vertex.scatterings <= room) {
             let Some(join) = join(self.scene, &light.vertex, vertex, sampler.rng()) else { continue };
             let weight = mis::weigh_join(self.effort, &light.end, camera, &join);
-            self.radiance += vertex.throughput * light.vertex.throughput * join.value * weight;
+            let technique = Technique::Join { light: light.vertex.scatterings + 2, camera: vertex.scatterings + 2 };
+            self.add(technique, vertex.throughput * light.vertex.throughput * join.value, weight);
         }
     }
 }
 
-impl Sink for CameraPath<'_> {
+impl<R: Recorder> Sink for CameraPath<'_, R> {
     fn segment(&mut self, segment: &Segment, sampler: &mut Sampler) {
         self.radiance += self.merger.along(segment, &self.account, sampler);
         self.account.pass(segment);

@@ -4,7 +4,7 @@ use crate::estimators::connect::sight;
 use crate::estimators::transport::is_smooth;
 use crate::film::Splats;
 use crate::math::Sampler;
-use crate::mis;
+use crate::mis::{self, Recorder, Technique};
 use crate::scene::Scene;
 use crate::walk::{Account, Effort, End, FromLight, Onward, Rules, Segment, Sink, Start, Vertex, walk};
 
@@ -16,14 +16,15 @@ pub(super) struct LightVertex {
 }
 
 /// A light path that adds to the picture.
-pub(super) struct LightPath<'a, 's> {
+pub(super) struct LightPath<'a, 's, R> {
     pub(super) scene: &'a Scene,
     pub(super) rules: &'a Rules,
     pub(super) effort: &'a Effort,
     pub(super) splats: &'a mut Splats<'s>,
+    pub(super) record: &'a R,
 }
 
-impl LightPath<'_, '_> {
+impl<R: Recorder> LightPath<'_, '_, R> {
     /// Traces the path and tells `keep` its vertices.
     pub(super) fn trace(self, sampler: &mut Sampler, keep: impl FnMut(LightVertex)) {
         let (u_position, u_direction, choice) = (sampler.vec2(), sampler.vec2(), sampler.f32());
@@ -40,24 +41,27 @@ impl LightPath<'_, '_> {
     }
 }
 
-struct Tracer<'a, 's, K> {
-    path: LightPath<'a, 's>,
+struct Tracer<'a, 's, R, K> {
+    path: LightPath<'a, 's, R>,
     keep: K,
     account: Account<'a, FromLight>,
 }
 
-impl<K: FnMut(LightVertex)> Tracer<'_, '_, K> {
+impl<R: Recorder, K: FnMut(LightVertex)> Tracer<'_, '_, R, K> {
     /// Joins the vertex with the lens.
     fn show(&mut self, vertex: &Vertex, end: &End, sampler: &mut Sampler) {
         let (u_lens, u_pixel) = (sampler.vec2(), sampler.vec2());
-        let LightPath { scene, effort, splats, .. } = &mut self.path;
+        let LightPath { scene, effort, splats, record, .. } = &mut self.path;
         let Some(sight) = sight(scene, vertex, u_lens, |film| splats.shows(film), sampler.rng()) else { return };
         let weight = mis::weigh_sight(effort, end, &sight) / effort.lens;
-        splats.add(sight.film_position, vertex.throughput * sight.value * weight, u_pixel);
+        let seen = vertex.throughput * sight.value;
+        let place = splats.add(sight.film_position, seen * weight, u_pixel);
+        let technique = Technique::Join { light: vertex.scatterings + 2, camera: 1 };
+        record.splat(technique, place, seen * weight, seen / effort.lens);
     }
 }
 
-impl<K: FnMut(LightVertex)> Sink for Tracer<'_, '_, K> {
+impl<R: Recorder, K: FnMut(LightVertex)> Sink for Tracer<'_, '_, R, K> {
     fn segment(&mut self, segment: &Segment, _: &mut Sampler) {
         self.account.pass(segment);
     }

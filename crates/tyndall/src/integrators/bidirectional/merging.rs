@@ -9,7 +9,8 @@ use crate::estimators::query::Filter;
 use crate::estimators::transport::turn;
 use crate::estimators::{BeamQuery, Meet, PointQuery, SurfaceQuery, gather};
 use crate::math::{Kernel, PerSolidAngle, Ray, Sampler, Vec3};
-use crate::mis::{Meeting, Merging, Weighed, weigh_merge};
+use crate::mis::{Meeting, Merging, Recorder, Technique, Weighed, Weigher, weigh_merge};
+use crate::photons::Tag;
 use crate::scene::Scene;
 use crate::scene::desc::MediumId;
 use crate::walk::{Account, Arrival, End, FromCamera, Leg, Profile, Scattering, Segment, Vertex, flight};
@@ -18,12 +19,40 @@ use crate::walk::{Account, Arrival, End, FromCamera, Leg, Profile, Scattering, S
 const ALL: u32 = u32::MAX;
 
 /// Merges one camera path.
-pub(super) struct Merger<'a> {
+pub(super) struct Merger<'a, R> {
     pub(super) scene: &'a Scene,
     pub(super) stores: &'a Stores,
     pub(super) kernel: Kernel,
     pub(super) max_depth: u32,
     pub(super) profile: &'a mut Profile,
+    pub(super) record: &'a R,
+}
+
+/// Weighs what a query meets, and has it recorded.
+struct Scales<'a, R, W> {
+    record: &'a R,
+    merging: Merging,
+    /// Scatterings of the camera's walk before.
+    scatterings: u32,
+    /// Light paths.
+    paths: f32,
+    weight: W,
+}
+
+impl<R: Recorder, W: Fn(u32, &Meet, Vec3, Vec3) -> f32> Weigher for Scales<'_, R, W> {
+    #[inline(always)]
+    fn weigh(&self, datum: u32, meet: &Meet, x: Vec3, direction: Vec3) -> f32 {
+        (self.weight)(datum, meet, x, direction)
+    }
+
+    #[inline(always)]
+    fn met(&self, tag: Tag, seen: Spectrum, weight: f32) {
+        let (light, camera) = (tag.scatterings() + 2, self.scatterings + 2);
+        let technique = Technique::Merge { merging: self.merging, light, camera };
+        let weighted = seen / self.paths;
+        // What others find infinitely better is left out of both.
+        self.record.add(technique, weighted, if weight > 0.0 { weighted / weight } else { Spectrum::ZERO });
+    }
 }
 
 /// Both walks at a place in a medium.
@@ -40,7 +69,7 @@ fn meeting(scene: &Scene, medium: MediumId, x: Vec3, light: Arrival, camera: Arr
     }
 }
 
-impl Merger<'_> {
+impl<R: Recorder> Merger<'_, R> {
     #[inline(always)]
     fn filter(&self, scatterings: u32) -> Option<Filter> {
         let max_scatterings = self.max_depth.checked_sub(scatterings + 2)?;
@@ -54,10 +83,10 @@ impl Merger<'_> {
         account: &Account<FromCamera>,
         sampler: &mut Sampler,
     ) -> Spectrum {
-        let Self { scene, stores, kernel, .. } = *self;
-        let effort = &stores.effort;
+        let Self { scene, stores, kernel, record, .. } = *self;
+        let (effort, scatterings) = (&stores.effort, segment.scatterings);
         let mut radiance = Spectrum::ZERO;
-        let Some(filter) = self.filter(segment.scatterings) else { return radiance };
+        let Some(filter) = self.filter(scatterings) else { return radiance };
         if effort.beam_point + effort.beam_beam == 0.0 {
             return radiance;
         }
@@ -88,8 +117,14 @@ impl Merger<'_> {
             let terms = &stores.points.point_terms;
             let query = Weighed {
                 query: beam(),
-                weight: |datum: u32, meet: &Meet, x: Vec3, direction: Vec3| {
-                    weigh(Merging::BeamPoint, terms[datum as usize], meet.t, x, direction)
+                weigher: Scales {
+                    record,
+                    merging: Merging::BeamPoint,
+                    scatterings,
+                    paths: stores.paths[0],
+                    weight: |datum: u32, meet: &Meet, x: Vec3, direction: Vec3| {
+                        weigh(Merging::BeamPoint, terms[datum as usize], meet.t, x, direction)
+                    },
                 },
             };
             let found = gather(&BeamPoint2D { kernel }, &query, &stores.for_beams, sampler.rng());
@@ -99,9 +134,15 @@ impl Merger<'_> {
             let terms = &stores.beams.beam_terms;
             let query = Weighed {
                 query: beam(),
-                weight: |datum: u32, meet: &Meet, x: Vec3, direction: Vec3| {
-                    let light = terms[datum as usize].arrive(scene, effort, segment.medium, x);
-                    weigh(Merging::BeamBeam, light, meet.t, x, direction)
+                weigher: Scales {
+                    record,
+                    merging: Merging::BeamBeam,
+                    scatterings,
+                    paths: stores.paths[1],
+                    weight: |datum: u32, meet: &Meet, x: Vec3, direction: Vec3| {
+                        let light = terms[datum as usize].arrive(scene, effort, segment.medium, x);
+                        weigh(Merging::BeamBeam, light, meet.t, x, direction)
+                    },
                 },
             };
             let found = gather(&BeamBeam1D { kernel }, &query, &stores.arranged_beams, sampler.rng());
@@ -112,9 +153,9 @@ impl Merger<'_> {
 
     /// At a vertex.
     pub(super) fn at(&self, vertex: &Vertex, end: &End, sampler: &mut Sampler) -> Spectrum {
-        let Self { scene, stores, kernel, .. } = *self;
-        let effort = &stores.effort;
-        let Some(filter) = self.filter(vertex.scatterings) else { return Spectrum::ZERO };
+        let Self { scene, stores, kernel, record, .. } = *self;
+        let (effort, scatterings, paths) = (&stores.effort, vertex.scatterings, stores.paths[0]);
+        let Some(filter) = self.filter(scatterings) else { return Spectrum::ZERO };
         let found = match &vertex.scattering {
             Scattering::Medium { medium } if effort.point_point > 0.0 => {
                 let inside = scene.medium(*medium);
@@ -132,10 +173,16 @@ impl Merger<'_> {
                         throughput,
                         filter,
                     },
-                    weight: |datum: u32, _: &Meet, x: Vec3, direction: Vec3| {
-                        let light = terms[datum as usize];
-                        let met = meeting(scene, *medium, x, light, end.arrival, [direction, vertex.direction]);
-                        weigh_merge(effort, Merging::PointPoint, &met)
+                    weigher: Scales {
+                        record,
+                        merging: Merging::PointPoint,
+                        scatterings,
+                        paths,
+                        weight: |datum: u32, _: &Meet, x: Vec3, direction: Vec3| {
+                            let light = terms[datum as usize];
+                            let met = meeting(scene, *medium, x, light, end.arrival, [direction, vertex.direction]);
+                            weigh_merge(effort, Merging::PointPoint, &met)
+                        },
                     },
                 };
                 gather(&PointPoint3D { kernel }, &query, &stores.for_points, sampler.rng())
@@ -149,18 +196,24 @@ impl Merger<'_> {
                         vertex,
                         filter,
                     },
-                    weight: |datum: u32, _: &Meet, _: Vec3, direction: Vec3| {
-                        let turn = turn::<FromCamera>(scene, vertex, -direction);
-                        let (onward, back) = (turn.reverse, turn.pdf);
-                        let light = terms[datum as usize];
-                        let met = Meeting { light, camera: end.arrival, onward, back, sin: 0.0 };
-                        weigh_merge(effort, Merging::Surface, &met)
+                    weigher: Scales {
+                        record,
+                        merging: Merging::Surface,
+                        scatterings,
+                        paths,
+                        weight: |datum: u32, _: &Meet, _: Vec3, direction: Vec3| {
+                            let turn = turn::<FromCamera>(scene, vertex, -direction);
+                            let (onward, back) = (turn.reverse, turn.pdf);
+                            let light = terms[datum as usize];
+                            let met = Meeting { light, camera: end.arrival, onward, back, sin: 0.0 };
+                            weigh_merge(effort, Merging::Surface, &met)
+                        },
                     },
                 };
                 gather(&SurfacePoint2D { kernel }, &query, &stores.on_surfaces, sampler.rng())
             }
             _ => return Spectrum::ZERO,
         };
-        found.radiance / stores.paths[0]
+        found.radiance / paths
     }
 }

@@ -18,27 +18,72 @@ use self::merging::Merger;
 use self::options::Options;
 use self::stores::Stores;
 use super::volpath::{self, Volpath};
-use super::{Integrator, Job, RareEvents, Sample, sample_pixels};
+use super::{ByTechnique, Counts, Integrator, Job, RareEvents, Sample, sample_pixels};
 use crate::film::Splats;
 use crate::film::pixels::PixelSum;
 use crate::math::Sampler;
+use crate::mis::{Catalogue, Merging, Record, Recorder, Technique};
 use crate::photons::TraceError;
 use crate::scene::Scene;
 use crate::walk::{Effort, Profile};
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 /// Streams of numbers for light paths that belong to pixels.
 const STREAM: u64 = 1 << 62;
+
+/// Counts of what tiles make.
+#[derive(Debug, Default)]
+struct Tally {
+    light_paths: AtomicU64,
+    vertices: AtomicU64,
+}
+
+impl Tally {
+    fn add(&self, light_paths: usize, vertices: usize) {
+        self.light_paths.fetch_add(light_paths as u64, Relaxed);
+        self.vertices.fetch_add(vertices as u64, Relaxed);
+    }
+
+    fn counts(&self) -> Counts {
+        Counts { light_paths: self.light_paths.load(Relaxed), photons: self.vertices.load(Relaxed) }
+    }
+}
 
 /// Light tracing: the lens is all that light's vertices are joined with.
 pub(super) struct LightTracing {
     options: Options,
     /// Shows emitters seen directly.
     emitted: Volpath,
+    tally: Tally,
 }
 
 impl LightTracing {
     fn new(options: Options) -> Self {
-        Self { options, emitted: Volpath::new(volpath::Options::emitted(options.hide_emitters)) }
+        let emitted = Volpath::new(volpath::Options::emitted(options.hide_emitters));
+        Self { options, emitted, tally: Tally::default() }
+    }
+
+    fn paint<R: Recorder>(
+        &self,
+        scene: &Scene,
+        job: &Job,
+        pixels: &mut [PixelSum],
+        splats: &mut Splats,
+        record: &R,
+    ) -> RareEvents {
+        let effort = Effort { lens: paths(scene), ..Effort::default() };
+        let (mut light_paths, mut vertices) = (0, 0);
+        let rare = sample_pixels(scene, job, pixels, |sample, sampler| {
+            light_paths += 1;
+            LightPath { scene, rules: &self.options.rules, effort: &effort, splats, record }
+                .trace(&mut light_sampler(job.seed, &sample), |_| vertices += 1);
+            let seen = self.emitted.radiance(scene, sample.film, sampler);
+            record.add(Technique::Join { light: 0, camera: 2 }, seen, seen);
+            record.finish(sample.place, sample.weight);
+            seen
+        });
+        self.tally.add(light_paths, vertices);
+        rare
     }
 }
 
@@ -51,17 +96,41 @@ impl Integrator for LightTracing {
             .collect()
     }
 
+    fn counts(&self) -> Counts {
+        self.tally.counts()
+    }
+
     fn splats(&self) -> bool {
         true
     }
 
+    fn by_technique(&self) -> Option<&dyn ByTechnique> {
+        Some(self)
+    }
+
     fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum], splats: &mut Splats) -> RareEvents {
-        let effort = Effort { lens: paths(scene), ..Effort::default() };
-        sample_pixels(scene, job, pixels, |sample, sampler| {
-            LightPath { scene, rules: &self.options.rules, effort: &effort, splats }
-                .trace(&mut light_sampler(job.seed, &sample), |_| ());
-            self.emitted.radiance(scene, sample.film, sampler)
+        self.paint(scene, job, pixels, splats, &())
+    }
+}
+
+impl ByTechnique for LightTracing {
+    fn catalogue(&self, _: &Scene, max_depth: u32) -> Catalogue {
+        catalogue(&self.options, max_depth, |technique| match technique {
+            Technique::Join { light, camera } => camera == 1 || light == 0 && camera == 2,
+            Technique::Merge { .. } => false,
+            Technique::Longer => true,
         })
+    }
+
+    fn render_recorded(
+        &self,
+        scene: &Scene,
+        job: &Job,
+        pixels: &mut [PixelSum],
+        splats: &mut Splats,
+        record: &Record,
+    ) -> RareEvents {
+        self.paint(scene, job, pixels, splats, record)
     }
 }
 
@@ -69,11 +138,43 @@ impl Integrator for LightTracing {
 pub(super) struct Bidirectional {
     options: Options,
     stores: Stores,
+    tally: Tally,
 }
 
 impl Bidirectional {
     fn new(options: Options) -> Self {
-        Self { options, stores: Stores::new() }
+        Self { options, stores: Stores::new(), tally: Tally::default() }
+    }
+
+    fn paint<R: Recorder>(
+        &self,
+        scene: &Scene,
+        job: &Job,
+        pixels: &mut [PixelSum],
+        splats: &mut Splats,
+        record: &R,
+    ) -> RareEvents {
+        let Self { options, stores, tally } = self;
+        let effort = &stores.effort;
+        let mut vertices: Vec<LightVertex> = Vec::new();
+        let mut profile = Profile::default();
+        let (mut light_paths, mut left) = (0, 0);
+        let rare = sample_pixels(scene, job, pixels, |sample, sampler| {
+            vertices.clear();
+            if options.techniques.bpt {
+                LightPath { scene, rules: &options.rules, effort, splats, record }
+                    .trace(&mut light_sampler(job.seed, &sample), |vertex| vertices.push(vertex));
+                light_paths += 1;
+                left += vertices.len();
+            }
+            let (max_depth, kernel) = (options.rules.max_depth, options.kernel);
+            let merger = Merger { scene, stores, kernel, max_depth, profile: &mut profile, record };
+            let seen = CameraPath::radiance(scene, options, effort, &vertices, merger, sample.film, sampler);
+            record.finish(sample.place, sample.weight);
+            seen
+        });
+        tally.add(light_paths, left);
+        rare
     }
 }
 
@@ -84,30 +185,59 @@ impl Integrator for Bidirectional {
     }
 
     fn prepare(&mut self, scene: &Scene, seed: u64, pass: u32) -> Result<u32, TraceError> {
-        self.stores.prepare(scene, &self.options, seed, pass)?;
+        let Counts { light_paths, photons } = self.stores.prepare(scene, &self.options, seed, pass)?;
+        self.tally.add(light_paths as usize, photons as usize);
         Ok(1)
+    }
+
+    fn counts(&self) -> Counts {
+        self.tally.counts()
     }
 
     fn splats(&self) -> bool {
         self.options.techniques.bpt
     }
 
+    fn by_technique(&self) -> Option<&dyn ByTechnique> {
+        Some(self)
+    }
+
     fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum], splats: &mut Splats) -> RareEvents {
-        let Self { options, stores } = self;
-        let effort = &stores.effort;
-        let mut vertices: Vec<LightVertex> = Vec::new();
-        let mut profile = Profile::default();
-        sample_pixels(scene, job, pixels, |sample, sampler| {
-            vertices.clear();
-            if options.techniques.bpt {
-                LightPath { scene, rules: &options.rules, effort, splats }
-                    .trace(&mut light_sampler(job.seed, &sample), |vertex| vertices.push(vertex));
-            }
-            let (max_depth, kernel) = (options.rules.max_depth, options.kernel);
-            let merger = Merger { scene, stores, kernel, max_depth, profile: &mut profile };
-            CameraPath::radiance(scene, options, effort, &vertices, merger, sample.film, sampler)
+        self.paint(scene, job, pixels, splats, &())
+    }
+}
+
+impl ByTechnique for Bidirectional {
+    fn catalogue(&self, scene: &Scene, max_depth: u32) -> Catalogue {
+        let used = self.options.techniques;
+        let media = !scene.media().is_empty();
+        catalogue(&self.options, max_depth, |technique| match technique {
+            Technique::Join { light, camera } => used.bpt || light == 0 && camera == 2,
+            Technique::Merge { merging: Merging::Surface, .. } => used.surface,
+            Technique::Merge { merging: Merging::PointPoint, .. } => used.point_point && media,
+            Technique::Merge { merging: Merging::BeamPoint, .. } => used.beam_point && media,
+            Technique::Merge { merging: Merging::BeamBeam, .. } => used.beam_beam && media,
+            Technique::Longer => used.bpt || used.merge(),
         })
     }
+
+    fn render_recorded(
+        &self,
+        scene: &Scene,
+        job: &Job,
+        pixels: &mut [PixelSum],
+        splats: &mut Splats,
+        record: &Record,
+    ) -> RareEvents {
+        self.paint(scene, job, pixels, splats, record)
+    }
+}
+
+/// The techniques that are `used`, as far as paths are that long.
+fn catalogue(options: &Options, max_depth: u32, used: impl Fn(Technique) -> bool) -> Catalogue {
+    let longest = options.rules.max_depth;
+    let allowed = |technique: Technique| technique != Technique::Longer || longest > max_depth;
+    Catalogue::new(max_depth.min(longest), |technique| allowed(technique) && used(technique))
 }
 
 /// Light paths of a pass: one for each pixel.

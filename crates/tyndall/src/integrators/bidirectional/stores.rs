@@ -1,6 +1,7 @@
 //! The data that camera paths merge with, traced anew for every pass.
 
 use super::options::{Options, Techniques};
+use crate::integrators::Counts;
 use crate::integrators::shrinking::Shrinking;
 use crate::math::{Kernel, Vec2, Vec3};
 use crate::photons::{BeamRadius, Beams, Extent, LightPaths, Photon, Points, TraceError, Tracing, Wanted};
@@ -59,10 +60,17 @@ impl Stores {
         }
     }
 
-    /// Traces the light paths of a pass.
-    pub(super) fn prepare(&mut self, scene: &Scene, options: &Options, seed: u64, pass: u32) -> Result<(), TraceError> {
+    /// Traces the light paths of a pass. Answers how many there were and what they left.
+    pub(super) fn prepare(
+        &mut self,
+        scene: &Scene,
+        options: &Options,
+        seed: u64,
+        pass: u32,
+    ) -> Result<Counts, TraceError> {
+        let mut counts = Counts::default();
         if self.pass == Some(pass) {
-            return Ok(());
+            return Ok(counts);
         }
         let Techniques { bpt, surface, point_point, beam_point, beam_beam } = options.techniques;
         let (width, height) = scene.picture_size();
@@ -111,6 +119,8 @@ impl Stores {
         if points || surface {
             let wanted = Wanted { points, surfaces: surface, direct: true, ..Wanted::default() };
             self.points.trace(scene, &tracing(paths, pass, wanted))?;
+            counts.light_paths += u64::from(paths);
+            counts.photons += self.points.data() as u64;
             if points && point_point {
                 self.for_points.rebuild(&self.points.points);
             }
@@ -125,10 +135,12 @@ impl Stores {
         if media && beam_beam {
             let wanted = Wanted { beams: true, ..Wanted::default() };
             self.beams.trace(scene, &tracing(beam_paths, BEAM_SETS | pass, wanted))?;
+            counts.light_paths += u64::from(beam_paths);
+            counts.photons += self.beams.data() as u64;
             self.arranged_beams.rebuild(&self.beams.beams, BeamRadius::Fixed(width));
         }
         self.pass = Some(pass);
-        Ok(())
+        Ok(counts)
     }
 
     /// Radii to begin with, in media and on surfaces, metres: as given, or from mean free paths and the size of a pixel
