@@ -8,8 +8,8 @@ use tyndall::math::{Ray, Rng, Sampler, Vec3};
 use tyndall::mis::{self, Lit, Meeting, Merging};
 use tyndall::scene::emitter::{EndDensity, LightEnd};
 use tyndall::walk::{
-    Arrival, Edge, Effort, End, FromCamera, FromLight, Leg, Media, Mode, Onward, Rules, Sink, Start, Vertex, corner,
-    edge_passage, walk,
+    Arrival, Edge, Effort, End, FromCamera, FromLight, Leg, LightDensity, Media, Mode, Onward, Rules, Scattering, Sink,
+    Start, Vertex, corner, edge_passage, walk,
 };
 
 /// A vertex of a walk, and whether the walk went on by a delta distribution.
@@ -50,15 +50,20 @@ fn replay<M: Mode>(scene: &Scene, effort: &Effort, first: Leg, vertices: &[Step]
     let mut leg = first;
     let mut ends: Vec<(End, Leg)> = Vec::new();
     for (i, (Step { vertex, delta }, edge)) in vertices.iter().zip(edges).enumerate() {
-        let corner = corner(scene, vertex);
+        let mut corner = corner(scene, effort, vertex);
+        if leg.first {
+            corner.share = 1.0;
+        }
+        let first = leg.first && *delta;
         let spread = leg.spread(vertex.position);
         let arrival: Arrival = leg.arrive::<M>(edge, spread, corner.cos(vertex.direction), corner.in_medium());
-        ends.push((End { corner, arrival }, leg));
+        ends.push((End { corner, arrival, first: leg.first }, leg));
         if let Some(next) = vertices.get(i + 1) {
             let direction = next.vertex.direction;
             let turn = turn::<M>(scene, vertex, direction);
             let density = (!delta).then_some(turn.pdf.0);
             leg = arrival.depart::<M>(effort, &corner, direction, density, turn.reverse.0);
+            leg.first = first;
         }
     }
     ends
@@ -200,6 +205,7 @@ fn sum_of(
             onward: turn.pdf,
             back: turn.reverse,
             sin: here.corner.arriving.cross(leaving(i)).length(),
+            share: other.corner.share,
         };
         let techniques: &[Merging] = match (here.corner.in_medium(), here.corner.merges) {
             (true, _) => &[Merging::PointPoint, Merging::BeamPoint, Merging::BeamBeam],
@@ -211,10 +217,28 @@ fn sum_of(
     Some(total)
 }
 
+/// How densely light's walk scatters.
+fn density(scene: &Scene) -> LightDensity {
+    const PATHS: u32 = 500;
+    let [mut media, mut surfaces] = [const { Vec::new() }; 2];
+    for index in 0..PATHS {
+        let mut sampler = Sampler::new(9, 8, index);
+        let Some(emission) = scene.sample_emission(sampler.f32(), sampler.vec2(), sampler.vec2()) else { continue };
+        let mut light = Record::default();
+        walk::<FromLight, _>(scene, Start::emitted(&emission), &RULES, &mut sampler, &mut light);
+        for Step { vertex, .. } in light.0 {
+            let inside = matches!(vertex.scattering, Scattering::Medium { .. });
+            if inside { &mut media } else { &mut surfaces }.push(vertex.position);
+        }
+    }
+    LightDensity::new(&media, &surfaces, PATHS)
+}
+
 /// Random paths over all scenes; answers how many there were.
 fn check(effort: &Effort, per_scene: u32) -> u32 {
     let mut count = 0;
     for (name, scene) in scenes() {
+        let effort = &Effort { light: density(&scene), ..effort.clone() };
         let (mut found, mut worst) = (0, 0.0_f64);
         for index in 0..per_scene {
             let mut sampler = Sampler::new(9, 7, index);
@@ -231,8 +255,15 @@ fn check(effort: &Effort, per_scene: u32) -> u32 {
     count
 }
 
-const CONNECTIONS: Effort =
-    Effort { connect: 1.0, lens: 576.0, surface: 0.0, point_point: 0.0, beam_point: 0.0, beam_beam: 0.0 };
+const CONNECTIONS: Effort = Effort {
+    connect: 1.0,
+    lens: 576.0,
+    surface: 0.0,
+    point_point: 0.0,
+    beam_point: 0.0,
+    beam_beam: 0.0,
+    light: LightDensity::UNKNOWN,
+};
 
 const ALL: Effort = Effort { surface: 7.0, point_point: 0.6, beam_point: 3.0, beam_beam: 11.0, ..CONNECTIONS };
 

@@ -15,7 +15,7 @@ use crate::estimators::connect::{Join, Sight};
 use crate::estimators::transport::Turn;
 use crate::math::{PerSolidAngle, Vec3};
 use crate::scene::emitter::EndDensity;
-use crate::walk::{Arrival, Edge, Effort, End, FromCamera, FromLight, Leg};
+use crate::walk::{Arrival, Corner, Edge, Effort, End, FromCamera, FromLight, Leg};
 
 /// Weight of the connection of two vertices that both walks have found.
 #[inline]
@@ -33,7 +33,9 @@ pub fn weigh_join(effort: &Effort, light: &End, camera: &End, join: &Join) -> f3
 #[inline]
 pub fn weigh_sight(effort: &Effort, light: &End, sight: &Sight) -> f32 {
     let Sight { direction, light: turn, edge, lens, .. } = sight;
-    let onward = light.arrival.depart::<FromLight>(effort, &light.corner, *direction, Some(0.0), turn.reverse.0);
+    // The vertex is the first one of the camera's walk.
+    let corner = Corner { share: 1.0, ..light.corner };
+    let onward = light.arrival.depart::<FromLight>(effort, &corner, *direction, Some(0.0), turn.reverse.0);
     let spread = if lens.parallel { 1.0 } else { 1.0 / lens.lens.distance_squared(light.corner.position) };
     effort.lens / (effort.lens + lens.density * spread * onward.before::<FromLight>(edge))
 }
@@ -89,6 +91,8 @@ pub struct Meeting {
     pub back: PerSolidAngle,
     /// Sine of the angle between both.
     pub sin: f32,
+    /// The share of the merges here that count, as the camera's walk says: see [`Corner::share`].
+    pub share: f32,
 }
 
 /// A technique that merges.
@@ -122,7 +126,7 @@ impl Merging {
 /// Weight of a merge.
 #[inline]
 pub fn weigh_merge(effort: &Effort, technique: Merging, meeting: &Meeting) -> f32 {
-    let Meeting { light, camera, onward, back, sin } = meeting;
+    let Meeting { light, camera, onward, back, sin, share } = meeting;
     // In units of the density of both walks colliding at the place.
     let beam_point = effort.beam_point * camera.covered;
     let beam_beam = effort.beam_beam * sin * camera.covered * light.covered;
@@ -134,5 +138,5 @@ pub fn weigh_merge(effort: &Effort, technique: Merging, meeting: &Meeting) -> f3
     };
     let before = light.connected + light.before * back.0;
     let after = camera.connected + camera.before * onward.0;
-    own / (merges + before + after)
+    share * own / (share * merges + before + after)
 }

@@ -42,7 +42,7 @@ pub struct Wanted {
 
 /// What to trace.
 #[derive(Clone, Copy, Debug)]
-pub struct Tracing {
+pub struct Tracing<'a> {
     /// How many light paths.
     pub paths: u32,
     /// When they end.
@@ -62,7 +62,7 @@ pub struct Tracing {
     /// What is kept.
     pub wanted: Wanted,
     /// The techniques for whose weights terms are kept; `None`: none are.
-    pub effort: Option<Effort>,
+    pub effort: Option<&'a Effort>,
     /// Memory that all data with their hierarchies may take, bytes.
     pub memory: usize,
 }
@@ -215,7 +215,7 @@ fn trace_path(scene: &Scene, tracing: &Tracing, path: u32, data: &mut Data) {
     let footprint =
         if tracing.footprints { Footprint::emitted(&emission, tracing.paths) } else { Footprint::default() };
     let start = Start::emitted(&emission);
-    let account = tracing.effort.as_ref().map(|effort| Account::of_light(scene, effort, &emission));
+    let account = tracing.effort.map(|effort| Account::of_light(scene, effort, &emission));
     let (origin, anchor) = (Origin::Direct, start.ray.origin);
     let mut deposit = Deposit { scene, tracing, data, origin, bent: false, footprint, anchor, account };
     walk::<FromLight, _>(scene, start, &tracing.rules, &mut sampler, &mut deposit);
@@ -224,7 +224,7 @@ fn trace_path(scene: &Scene, tracing: &Tracing, path: u32, data: &mut Data) {
 /// The sink that keeps data.
 struct Deposit<'a> {
     scene: &'a Scene,
-    tracing: &'a Tracing,
+    tracing: &'a Tracing<'a>,
     data: &'a mut Data,
     /// How the light has come so far.
     origin: Origin,

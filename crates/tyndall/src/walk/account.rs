@@ -65,10 +65,14 @@ impl<'a, M: Mode> Account<'a, M> {
     /// The walk comes to a vertex.
     #[inline]
     pub fn arrive(&mut self, vertex: &Vertex) -> End {
-        let corner = corner(self.scene, vertex);
+        let mut corner = corner(self.scene, self.effort, vertex);
         let leg = self.leg_to(vertex.position);
+        if leg.first {
+            corner.share = 1.0;
+        }
         let (cos, spread) = (corner.cos(vertex.direction), leg.spread(vertex.position));
-        let end = End { corner, arrival: leg.arrive::<M>(&self.edge, spread, cos, corner.in_medium()) };
+        let arrival = leg.arrive::<M>(&self.edge, spread, cos, corner.in_medium());
+        let end = End { corner, arrival, first: leg.first };
         self.here = Some(end);
         end
     }
@@ -76,10 +80,11 @@ impl<'a, M: Mode> Account<'a, M> {
     /// The walk goes on from the vertex.
     #[inline]
     pub fn depart(&mut self, vertex: &Vertex, onward: &Onward) {
-        let Some(End { corner, arrival }) = self.here.take() else { return };
+        let Some(End { corner, arrival, first }) = self.here.take() else { return };
         let direction = onward.direction;
         let reverse = onward.pdf.map_or(1.0, |_| reverse_pdf::<M>(self.scene, vertex, direction).0);
         self.leg = arrival.depart::<M>(self.effort, &corner, direction, onward.pdf.map(|pdf| pdf.0), reverse);
+        self.leg.first = first && onward.pdf.is_none();
         self.edge = Edge::START;
         self.first = None;
     }

@@ -1,6 +1,7 @@
 //! The free-flight loop, the random walk and what it tells its sinks.
 
 pub mod account;
+pub mod density;
 pub mod edge;
 pub mod flight;
 pub mod passage;
@@ -13,6 +14,7 @@ pub mod terms;
 pub mod walk;
 
 pub use account::Account;
+pub use density::LightDensity;
 pub use edge::Edge;
 pub use flight::{Flight, fly};
 pub use passage::{Passage, edge_passage, passage};

@@ -14,15 +14,16 @@
 //! `pB(i)` and the reverse density inside `S(i-1)` wait for the next vertices. What remains, `c(i-1) / pF(i)` and the rest
 //! without its reverse density, are the two numbers of an [`Arrival`]. The camera's walk carries the same from its end.
 
-use super::{Edge, Mode};
+use super::{Edge, LightDensity, Mode};
 use crate::math::Vec3;
 use crate::scene::bsdf::Transport;
 use crate::scene::emitter::EndDensity;
+use crate::scene::medium::Medium;
 use crate::scene::sensor::RayDensity;
 
 /// How many samples the techniques take of each path, in units of one camera path joined with one light path; zero for
 /// techniques not used.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Effort {
     /// Connections and hits: 1 or 0.
     pub connect: f32,
@@ -36,6 +37,33 @@ pub struct Effort {
     pub beam_point: f32,
     /// Merging of beams in one dimension: light paths times the width of the blur, m.
     pub beam_beam: f32,
+    /// How densely light paths scatter, which says how many merges there are.
+    pub light: LightDensity,
+}
+
+impl Effort {
+    /// Light paths merged where the camera's walk has scattered before, for each merged at its first vertex.
+    pub const BEYOND: f32 = 1.0 / 16.0;
+
+    /// The share of the merges at `x` in `medium` that there are and that count where the camera's walk has scattered
+    /// before: see [`crate::walk::density`].
+    #[inline]
+    pub fn share_in_medium(&self, medium: &Medium, x: Vec3) -> f32 {
+        let density = self.light.in_medium(x);
+        if density == 0.0 {
+            return Self::BEYOND;
+        }
+        let length = self.light.beam_length(medium.sigma_t(x).mean());
+        // Beams meet under all angles, whose mean sine is pi / 4.
+        let beams = self.beam_point + std::f32::consts::FRAC_PI_4 * self.beam_beam * length;
+        Self::BEYOND / (1.0 + Self::BEYOND * density * (self.point_point + beams * length))
+    }
+
+    /// The same on surfaces.
+    #[inline]
+    pub fn share_on_surface(&self, x: Vec3) -> f32 {
+        Self::BEYOND / (1.0 + Self::BEYOND * self.light.on_surface(x) * self.surface)
+    }
 }
 
 /// A vertex where a walk may scatter, as far as weights ask.
@@ -49,6 +77,8 @@ pub struct Corner {
     pub normal: Vec3,
     /// Whether data are merged here: in every medium, and on surfaces wide enough in their scattering.
     pub merges: bool,
+    /// The share of the merges here that count.
+    pub share: f32,
 }
 
 impl Corner {
@@ -83,6 +113,8 @@ pub struct End {
     pub corner: Corner,
     /// What the walk carries.
     pub arrival: Arrival,
+    /// As in [`Leg::first`].
+    pub first: bool,
 }
 
 /// A walk on its way to the next vertex.
@@ -90,6 +122,8 @@ pub struct End {
 pub struct Leg {
     /// Where it starts: the vertex, the point of the lens, the point on an emitter.
     pub start: Vec3,
+    /// Whether the camera's walk has met nothing yet but smooth mirrors and glass: all merges at its end count.
+    pub first: bool,
     /// Density of the direction, 1/sr; per area across the direction where all rays are parallel; one after a smooth
     /// mirror or glass.
     pub density: f32,
@@ -113,6 +147,7 @@ impl Leg {
     pub fn from_emitter(effort: &Effort, density: &EndDensity, start: Vec3) -> Self {
         Self {
             start,
+            first: false,
             density: density.onward,
             spreads: !density.parallel,
             connect: 0.0,
@@ -134,6 +169,7 @@ impl Leg {
     pub fn from_lens(effort: &Effort, lens: &RayDensity) -> Self {
         Self {
             start: lens.lens,
+            first: true,
             density: lens.density,
             spreads: !lens.parallel,
             connect: effort.lens,
@@ -193,6 +229,7 @@ impl Arrival {
         let (start, in_medium) = (corner.position, corner.in_medium());
         let leg = Leg {
             start,
+            first: false,
             density: density.unwrap_or(1.0),
             spreads: true,
             connect: 0.0,
@@ -209,16 +246,18 @@ impl Arrival {
         let mut covering = 0.0;
         if in_medium {
             let sin = corner.arriving.cross(direction).length();
-            collided += effort.point_point;
+            collided += corner.share * effort.point_point;
             match M::TRANSPORT {
-                Transport::Importance => covering = effort.beam_point + effort.beam_beam * sin * self.covered,
+                Transport::Importance => {
+                    covering = corner.share * (effort.beam_point + effort.beam_beam * sin * self.covered);
+                }
                 Transport::Radiance => {
-                    collided += effort.beam_point * self.covered;
-                    covering = effort.beam_beam * sin * self.covered;
+                    collided += corner.share * effort.beam_point * self.covered;
+                    covering = corner.share * effort.beam_beam * sin * self.covered;
                 }
             }
         } else if corner.merges {
-            collided += effort.surface;
+            collided += corner.share * effort.surface;
         }
         Leg { connect: effort.connect, collided, covering, ..leg }
     }

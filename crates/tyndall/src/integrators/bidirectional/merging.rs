@@ -57,7 +57,15 @@ impl<R: Recorder, W: Fn(u32, &Meet, Vec3, Vec3) -> f32> Weigher for Scales<'_, R
 
 /// Both walks at a place in a medium.
 #[inline(always)]
-fn meeting(scene: &Scene, medium: MediumId, x: Vec3, light: Arrival, camera: Arrival, d: [Vec3; 2]) -> Meeting {
+fn meeting(
+    scene: &Scene,
+    medium: MediumId,
+    x: Vec3,
+    light: Arrival,
+    camera: Arrival,
+    share: f32,
+    d: [Vec3; 2],
+) -> Meeting {
     let phase = scene.medium(medium).phase();
     let [by_light, by_camera] = d;
     Meeting {
@@ -66,6 +74,7 @@ fn meeting(scene: &Scene, medium: MediumId, x: Vec3, light: Arrival, camera: Arr
         onward: PerSolidAngle(phase.eval(x, by_light, -by_camera)),
         back: PerSolidAngle(phase.eval(x, by_camera, -by_light)),
         sin: by_light.cross(by_camera).length(),
+        share,
     }
 }
 
@@ -85,6 +94,7 @@ impl<R: Recorder> Merger<'_, R> {
     ) -> Spectrum {
         let Self { scene, stores, kernel, record, .. } = *self;
         let (effort, scatterings) = (&stores.effort, segment.scatterings);
+        let set = stores.set(account.leg.first);
         let mut radiance = Spectrum::ZERO;
         let Some(filter) = self.filter(scatterings) else { return radiance };
         if effort.beam_point + effort.beam_beam == 0.0 {
@@ -110,43 +120,44 @@ impl<R: Recorder> Merger<'_, R> {
             leg.arrive::<FromCamera>(&edge, spread, 1.0, true)
         };
         let weigh = |technique, light: Arrival, t: f32, x: Vec3, direction: Vec3| {
-            let met = meeting(scene, segment.medium, x, light, camera_at(t), [direction, ray.direction]);
+            let share = if leg.first { 1.0 } else { effort.share_in_medium(medium, x) };
+            let met = meeting(scene, segment.medium, x, light, camera_at(t), share, [direction, ray.direction]);
             weigh_merge(effort, technique, &met)
         };
         if effort.beam_point > 0.0 {
-            let terms = &stores.points.point_terms;
+            let terms = &set.points.point_terms;
             let query = Weighed {
                 query: beam(),
                 weigher: Scales {
                     record,
                     merging: Merging::BeamPoint,
                     scatterings,
-                    paths: stores.paths[0],
+                    paths: set.paths[0],
                     weight: |datum: u32, meet: &Meet, x: Vec3, direction: Vec3| {
                         weigh(Merging::BeamPoint, terms[datum as usize], meet.t, x, direction)
                     },
                 },
             };
-            let found = gather(&BeamPoint2D { kernel }, &query, &stores.for_beams, sampler.rng());
-            radiance += found.radiance / stores.paths[0];
+            let found = gather(&BeamPoint2D { kernel }, &query, &set.for_beams, sampler.rng());
+            radiance += found.radiance / set.paths[0];
         }
         if effort.beam_beam > 0.0 {
-            let terms = &stores.beams.beam_terms;
+            let terms = &set.beams.beam_terms;
             let query = Weighed {
                 query: beam(),
                 weigher: Scales {
                     record,
                     merging: Merging::BeamBeam,
                     scatterings,
-                    paths: stores.paths[1],
+                    paths: set.paths[1],
                     weight: |datum: u32, meet: &Meet, x: Vec3, direction: Vec3| {
                         let light = terms[datum as usize].arrive(scene, effort, segment.medium, x);
                         weigh(Merging::BeamBeam, light, meet.t, x, direction)
                     },
                 },
             };
-            let found = gather(&BeamBeam1D { kernel }, &query, &stores.arranged_beams, sampler.rng());
-            radiance += found.radiance / stores.paths[1];
+            let found = gather(&BeamBeam1D { kernel }, &query, &set.arranged_beams, sampler.rng());
+            radiance += found.radiance / set.paths[1];
         }
         radiance
     }
@@ -154,7 +165,8 @@ impl<R: Recorder> Merger<'_, R> {
     /// At a vertex.
     pub(super) fn at(&self, vertex: &Vertex, end: &End, sampler: &mut Sampler) -> Spectrum {
         let Self { scene, stores, kernel, record, .. } = *self;
-        let (effort, scatterings, paths) = (&stores.effort, vertex.scatterings, stores.paths[0]);
+        let set = stores.set(end.first);
+        let (effort, scatterings, paths) = (&stores.effort, vertex.scatterings, set.paths[0]);
         let Some(filter) = self.filter(scatterings) else { return Spectrum::ZERO };
         let found = match &vertex.scattering {
             Scattering::Medium { medium } if effort.point_point > 0.0 => {
@@ -163,7 +175,7 @@ impl<R: Recorder> Merger<'_, R> {
                     * inside.phase().extinction_factor(vertex.position, vertex.direction);
                 // The flux of a point has been scattered already: the camera's flight only counts its transmittance.
                 let throughput = vertex.throughput.over(sigma_s);
-                let terms = &stores.points.point_terms;
+                let terms = &set.points.point_terms;
                 let query = Weighed {
                     query: PointQuery {
                         scene,
@@ -180,15 +192,17 @@ impl<R: Recorder> Merger<'_, R> {
                         paths,
                         weight: |datum: u32, _: &Meet, x: Vec3, direction: Vec3| {
                             let light = terms[datum as usize];
-                            let met = meeting(scene, *medium, x, light, end.arrival, [direction, vertex.direction]);
+                            let End { corner, arrival, .. } = end;
+                            let turn = [direction, vertex.direction];
+                            let met = meeting(scene, *medium, x, light, *arrival, corner.share, turn);
                             weigh_merge(effort, Merging::PointPoint, &met)
                         },
                     },
                 };
-                gather(&PointPoint3D { kernel }, &query, &stores.for_points, sampler.rng())
+                gather(&PointPoint3D { kernel }, &query, &set.for_points, sampler.rng())
             }
             Scattering::Surface { point, .. } if effort.surface > 0.0 && end.corner.merges => {
-                let terms = &stores.points.surface_terms;
+                let terms = &set.points.surface_terms;
                 let query = Weighed {
                     query: SurfaceQuery {
                         scene,
@@ -205,12 +219,14 @@ impl<R: Recorder> Merger<'_, R> {
                             let turn = turn::<FromCamera>(scene, vertex, -direction);
                             let (onward, back) = (turn.reverse, turn.pdf);
                             let light = terms[datum as usize];
-                            let met = Meeting { light, camera: end.arrival, onward, back, sin: 0.0 };
+                            let End { corner, arrival, .. } = *end;
+                            let share = corner.share;
+                            let met = Meeting { light, camera: arrival, onward, back, sin: 0.0, share };
                             weigh_merge(effort, Merging::Surface, &met)
                         },
                     },
                 };
-                gather(&SurfacePoint2D { kernel }, &query, &stores.on_surfaces, sampler.rng())
+                gather(&SurfacePoint2D { kernel }, &query, &set.on_surfaces, sampler.rng())
             }
             _ => return Spectrum::ZERO,
         };

@@ -6,14 +6,16 @@ use crate::integrators::shrinking::Shrinking;
 use crate::math::{Kernel, Vec2, Vec3};
 use crate::photons::{BeamRadius, Beams, Extent, LightPaths, Photon, Points, TraceError, Tracing, Wanted};
 use crate::scene::Scene;
-use crate::walk::Effort;
+use crate::walk::{Effort, LightDensity};
 
-/// Light paths traced to find radii where none are given.
+/// Light paths traced to find radii and how densely light is scattered.
 const PILOT_PATHS: u32 = 4096;
 /// The set of light paths that the pilot is.
 const PILOT_SET: u32 = u32::MAX;
 /// Added to the number of a pass for its set of beams, which is independent of that of points.
 const BEAM_SETS: u32 = 1 << 31;
+/// Added for the light paths that are merged beyond the camera's first vertex.
+const BEYOND_SETS: u32 = 1 << 30;
 /// Automatic radius in media, in mean free paths ...
 const FREE_PATHS: f32 = 0.1;
 /// ... and in sizes of a pixel; the smaller one counts.
@@ -21,9 +23,9 @@ const PIXELS: f32 = 3.0;
 /// Automatic radius on surfaces, in sizes of a pixel.
 const SURFACE_PIXELS: f32 = 2.0;
 
-/// Points and beams of a pass.
-#[derive(Debug)]
-pub(super) struct Stores {
+/// Points and beams of some light paths.
+#[derive(Debug, Default)]
+pub(super) struct Set {
     pub(super) points: LightPaths,
     pub(super) beams: LightPaths,
     /// Points in media as merged with points ...
@@ -32,32 +34,109 @@ pub(super) struct Stores {
     pub(super) for_beams: Points,
     pub(super) on_surfaces: Points,
     pub(super) arranged_beams: Beams,
+    /// Light paths that left points, and beams.
+    pub(super) paths: [f32; 2],
+}
+
+/// Radii of a pass, metres.
+#[derive(Clone, Copy, Debug)]
+struct Radii {
+    ball: f32,
+    disk: f32,
+    width: f32,
+    patch: f32,
+}
+
+/// Points and beams of a pass.
+#[derive(Debug)]
+pub(super) struct Stores {
+    /// What the camera's walk is merged with at its first vertex ...
+    first: Set,
+    /// ... and where it has scattered before: fewer.
+    beyond: Set,
     radii: Option<(f32, f32)>,
     volume: Shrinking,
     other: Shrinking,
     /// What the techniques take of each path in this pass.
     pub(super) effort: Effort,
-    /// Light paths that left points, and beams.
-    pub(super) paths: [f32; 2],
     pass: Option<u32>,
+}
+
+impl Set {
+    /// Traces so many light paths for points and for beams, and counts them.
+    #[allow(clippy::too_many_arguments, reason = "what a pass is")]
+    fn trace(
+        &mut self,
+        scene: &Scene,
+        options: &Options,
+        effort: &Effort,
+        radii: Radii,
+        [paths, beam_paths]: [u32; 2],
+        (seed, pass): (u64, u32),
+        counts: &mut Counts,
+    ) -> Result<(), TraceError> {
+        let Techniques { surface, point_point, beam_point, beam_beam, .. } = options.techniques;
+        let Radii { ball, disk, width, patch } = radii;
+        self.paths = [paths as f32, beam_paths as f32];
+        let media = !scene.media().is_empty();
+        let tracing = |paths, set, wanted| Tracing {
+            paths,
+            rules: options.rules,
+            seed,
+            set,
+            extent: Extent::Short,
+            footprints: false,
+            point_radius: ball,
+            surface_radius: patch,
+            wanted,
+            effort: Some(effort),
+            memory: options.memory,
+        };
+        let points = media && (point_point || beam_point);
+        if points || surface {
+            let wanted = Wanted { points, surfaces: surface, direct: true, ..Wanted::default() };
+            self.points.trace(scene, &tracing(paths, pass, wanted))?;
+            counts.light_paths += u64::from(paths);
+            counts.photons += self.points.data() as u64;
+            if points && point_point {
+                self.for_points.rebuild(&self.points.points);
+            }
+            if points && beam_point {
+                self.points.points.iter_mut().for_each(|photon| photon.radius = disk);
+                self.for_beams.rebuild(&self.points.points);
+            }
+            if surface {
+                self.on_surfaces.rebuild(&self.points.surfaces);
+            }
+        }
+        if media && beam_beam {
+            let wanted = Wanted { beams: true, ..Wanted::default() };
+            self.beams.trace(scene, &tracing(beam_paths, BEAM_SETS | pass, wanted))?;
+            counts.light_paths += u64::from(beam_paths);
+            counts.photons += self.beams.data() as u64;
+            self.arranged_beams.rebuild(&self.beams.beams, BeamRadius::Fixed(width));
+        }
+        Ok(())
+    }
 }
 
 impl Stores {
     pub(super) fn new() -> Self {
         Self {
-            points: LightPaths::default(),
-            beams: LightPaths::default(),
-            for_points: Points::default(),
-            for_beams: Points::default(),
-            on_surfaces: Points::default(),
-            arranged_beams: Beams::default(),
+            first: Set::default(),
+            beyond: Set::default(),
             radii: None,
             volume: Shrinking::START,
             other: Shrinking::START,
             effort: Effort::default(),
-            paths: [1.0; 2],
             pass: None,
         }
+    }
+
+    /// What a camera's walk is merged with that has met nothing yet but smooth mirrors and glass, or has.
+    #[inline(always)]
+    pub(super) fn set(&self, first: bool) -> &Set {
+        if first { &self.first } else { &self.beyond }
     }
 
     /// Traces the light paths of a pass. Answers how many there were and what they left.
@@ -99,90 +178,61 @@ impl Stores {
             point_point: number(point_point, paths) * Kernel::extent(3, ball),
             beam_point: number(beam_point, paths) * Kernel::extent(2, disk),
             beam_beam: number(beam_beam, beam_paths) * Kernel::extent(1, width),
+            light: std::mem::take(&mut self.effort.light),
         };
-        self.paths = [paths as f32, beam_paths as f32];
-        let media = !scene.media().is_empty();
-        let tracing = |paths, set, wanted| Tracing {
-            paths,
-            rules: options.rules,
-            seed,
-            set,
-            extent: Extent::Short,
-            footprints: false,
-            point_radius: ball,
-            surface_radius: patch,
-            wanted,
-            effort: Some(self.effort),
-            memory: options.memory,
-        };
-        let points = media && (point_point || beam_point);
-        if points || surface {
-            let wanted = Wanted { points, surfaces: surface, direct: true, ..Wanted::default() };
-            self.points.trace(scene, &tracing(paths, pass, wanted))?;
-            counts.light_paths += u64::from(paths);
-            counts.photons += self.points.data() as u64;
-            if points && point_point {
-                self.for_points.rebuild(&self.points.points);
-            }
-            if points && beam_point {
-                self.points.points.iter_mut().for_each(|photon| photon.radius = disk);
-                self.for_beams.rebuild(&self.points.points);
-            }
-            if surface {
-                self.on_surfaces.rebuild(&self.points.surfaces);
-            }
-        }
-        if media && beam_beam {
-            let wanted = Wanted { beams: true, ..Wanted::default() };
-            self.beams.trace(scene, &tracing(beam_paths, BEAM_SETS | pass, wanted))?;
-            counts.light_paths += u64::from(beam_paths);
-            counts.photons += self.beams.data() as u64;
-            self.arranged_beams.rebuild(&self.beams.beams, BeamRadius::Fixed(width));
+        let radii = Radii { ball, disk, width, patch };
+        let beyond = |paths: u32| ((paths as f32 * Effort::BEYOND) as u32).max(1);
+        let sets = [
+            (&mut self.first, [paths, beam_paths], 0),
+            (&mut self.beyond, [paths, beam_paths].map(beyond), BEYOND_SETS),
+        ];
+        for (set, paths, offset) in sets {
+            set.trace(scene, options, &self.effort, radii, paths, (seed, offset | pass), &mut counts)?;
         }
         self.pass = Some(pass);
         Ok(counts)
     }
 
     /// Radii to begin with, in media and on surfaces, metres: as given, or from mean free paths and the size of a pixel
-    /// where light is scattered.
+    /// where light is scattered. Finds out how densely it is scattered, too.
     fn first_radii(&mut self, scene: &Scene, options: &Options, seed: u64) -> Result<(f32, f32), TraceError> {
         if let Some(radii) = self.radii {
             return Ok(radii);
         }
+        let wanted = Wanted { points: true, surfaces: true, direct: true, ..Wanted::default() };
+        let tracing = Tracing {
+            paths: if options.techniques.merge() { PILOT_PATHS } else { 0 },
+            rules: options.rules,
+            seed,
+            set: PILOT_SET,
+            extent: Extent::Short,
+            footprints: false,
+            point_radius: 0.0,
+            surface_radius: 0.0,
+            wanted,
+            effort: None,
+            memory: options.memory,
+        };
+        let pilot = &mut self.first.points;
+        pilot.trace(scene, &tracing)?;
+        let LightPaths { points, surfaces, .. } = pilot;
         let (mut volume, mut surface) = (options.radius, options.surface_radius);
-        if volume == 0.0 || surface == 0.0 {
-            let wanted = Wanted { points: true, surfaces: true, direct: true, ..Wanted::default() };
-            let tracing = Tracing {
-                paths: PILOT_PATHS,
-                rules: options.rules,
-                seed,
-                set: PILOT_SET,
-                extent: Extent::Short,
-                footprints: false,
-                point_radius: 0.0,
-                surface_radius: 0.0,
-                wanted,
-                effort: None,
-                memory: options.memory,
+        if volume == 0.0 {
+            let free = |photon: &Photon| {
+                let medium = photon.tag.medium().map(|id| scene.medium(id));
+                FREE_PATHS / medium.map_or(0.0, |medium| medium.sigma_t(photon.position).mean())
             };
-            self.points.trace(scene, &tracing)?;
-            if volume == 0.0 {
-                let free = |photon: &Photon| {
-                    let medium = photon.tag.medium().map(|id| scene.medium(id));
-                    FREE_PATHS / medium.map_or(0.0, |medium| medium.sigma_t(photon.position).mean())
-                };
-                // What the picture does not show says nothing of its pixels.
-                let seen = |photon: &Photon| Some(free(photon).min(PIXELS * pixel_size(scene, photon.position)?));
-                let points = &self.points.points;
-                volume = median(points.iter().filter_map(seen))
-                    .or_else(|| median(points.iter().map(free)))
-                    .unwrap_or(NOWHERE);
-            }
-            if surface == 0.0 {
-                let radius = |photon: &Photon| Some(SURFACE_PIXELS * pixel_size(scene, photon.position)?);
-                surface = median(self.points.surfaces.iter().filter_map(radius)).unwrap_or(volume);
-            }
+            // What the picture does not show says nothing of its pixels.
+            let seen = |photon: &Photon| Some(free(photon).min(PIXELS * pixel_size(scene, photon.position)?));
+            volume =
+                median(points.iter().filter_map(seen)).or_else(|| median(points.iter().map(free))).unwrap_or(NOWHERE);
         }
+        if surface == 0.0 {
+            let radius = |photon: &Photon| Some(SURFACE_PIXELS * pixel_size(scene, photon.position)?);
+            surface = median(surfaces.iter().filter_map(radius)).unwrap_or(volume);
+        }
+        let places = |photons: &[Photon]| photons.iter().map(|photon| photon.position).collect::<Vec<_>>();
+        self.effort.light = LightDensity::new(&places(points), &places(surfaces), PILOT_PATHS);
         self.radii = Some((volume, surface));
         Ok((volume, surface))
     }

@@ -68,7 +68,7 @@ impl PhotonMapping {
         }
     }
 
-    fn tracing(&self, scene: &Scene, seed: u64, set: u32) -> Tracing {
+    fn tracing(&self, scene: &Scene, seed: u64, set: u32) -> Tracing<'static> {
         let media = !scene.media().is_empty();
         let estimator = self.options.estimator.filter(|_| media);
         Tracing {

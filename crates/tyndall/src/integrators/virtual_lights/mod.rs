@@ -83,7 +83,7 @@ impl VirtualLights {
         }
     }
 
-    fn tracing(&self, seed: u64, set: u32) -> Tracing {
+    fn tracing(&self, seed: u64, set: u32) -> Tracing<'static> {
         let Options { photons, light_rules, rays, extent, memory, .. } = self.options;
         Tracing {
             paths: photons,
