@@ -91,7 +91,7 @@ const drawPyramid = () => {
   for (const { button, share, cell } of thumbs) {
     button.hidden = !entryOf(cell.method);
     share.textContent = percent(cell.shares[state.scene]);
-    share.title = state.scene === WEIGHTED ? "part of the picture's light" : "light that it claims, in parts of the light of its row; noisy where it is rarely lucky";
+    share.title = state.scene === WEIGHTED ? "part of the picture's light" : "light that it claims, in parts of all light of its depth; noisy where it is rarely lucky";
   }
   document.querySelectorAll("#weights input").forEach((input) => { input.checked = Number(input.value) === state.scene; });
   byId("even").setAttribute("aria-pressed", Boolean(state.even));
@@ -99,6 +99,6 @@ const drawPyramid = () => {
   byId("grid-exposure").disabled = Boolean(state.even);
   byId("grid-exposure-value").textContent = state.even ? "own" : byId("exposure-value").textContent;
   const text = state.scene === WEIGHTED ? "Each technique with its weights: all pictures together are the picture at the top. The share is that of its light."
-    : "Each technique as if it were the only one: those of a row that can find all paths have one expectation, and differ by noise. The share is that of the row's light.";
+    : "Each technique as if it were the only one: those of a depth that can find all its paths have one expectation, and differ by noise. The share is that of the light of this depth.";
   byId("pyramid-note").textContent = `${text} ${byId("pyramid-note").dataset.note}`;
 };
