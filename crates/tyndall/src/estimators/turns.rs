@@ -13,10 +13,10 @@ use crate::math::{PerLength, Ray, Vec3};
 use crate::scene::phase::Phase;
 
 /// Nodes over the angle at a point.
-const ANGLES: usize = 16;
+const ANGLES: usize = 12;
 /// Nodes over a ray of light, and over the angle at each of them.
-const PLACES: usize = 12;
-const ANGLES_AT_PLACE: usize = 12;
+const PLACES: usize = 5;
+const ANGLES_AT_PLACE: usize = 5;
 /// What tables are lifted by, in units of their mean: between the nodes there may be more than at them.
 const FLOOR: f32 = 0.05;
 
@@ -218,7 +218,7 @@ mod tests {
 
     #[test]
     fn distances_follow_their_density() {
-        let gs = [0.0, 0.5, 0.8, -0.5, 0.95];
+        let gs = [0.0, 0.8, -0.5];
         let points = [Vec3::new(1.0, 0.3, -0.8), Vec3::new(2.0, 1e-3, 0.0), Vec3::new(-1.0, 0.2, 0.0)];
         for (case, g) in (0..).zip(gs) {
             let phase = hg(g);
@@ -229,7 +229,8 @@ mod tests {
                 let distances = TurnsOnRay::new(&turns, &camera(), point, angles);
                 let sample = |u| Some(f64::from(distances.sample(u).0));
                 let density = |t: f64| f64::from(distances.density(t as f32).0);
-                let outcome = chi2::interval(sample, density, 0.0, f64::from(CAMERA_LENGTH), 100_000, case * 10 + place);
+                let outcome =
+                    chi2::interval(sample, density, 0.0, f64::from(CAMERA_LENGTH), 100_000, case * 10 + place);
                 assert!((outcome.integral - 1.0).abs() < 1e-4, "{g} {point}: {outcome:?}");
                 assert!(outcome.passes(0.01, gs.len() * points.len()), "{g} {point}: {outcome:?}");
             }
@@ -241,7 +242,8 @@ mod tests {
         let PairSample { s, t, pdf } = sample;
         let between = camera().at(t) - light.at(s);
         let (distance, direction) = (between.length(), between.normalize());
-        let turned = phase.eval(light.at(s), light.direction, direction) * phase.eval(camera().at(t), direction, -Vec3::X);
+        let turned =
+            phase.eval(light.at(s), light.direction, direction) * phase.eval(camera().at(t), direction, -Vec3::X);
         f64::from(turned * (-(s + t + distance)).exp() / (distance * distance * pdf))
     }
 
@@ -257,7 +259,13 @@ mod tests {
     #[test]
     fn estimates_agree_with_quadrature_and_vary_less() {
         let light = lights()[0];
-        let rows = [(0.0, 3.055_167_16e-3, 1.2), (0.7, 9.799_10e-4, 6.0), (0.9, 9.950_36e-5, 6.0), (-0.7, 4.169_03e-4, 1.5)];
+        let rows = [
+            (0.0, 3.055_167_16e-3, 10.0),
+            (0.7, 9.799_10e-4, 30.0),
+            (0.8, 4.321_69e-4, 30.0),
+            (0.9, 9.950_36e-5, 30.0),
+            (-0.7, 4.169_03e-4, 3.0),
+        ];
         for (seed, (g, truth, gain)) in (0..).zip(rows) {
             let phase = hg(g);
             let table = pair(&light, &phase, 1.0, 0.0);
@@ -269,7 +277,7 @@ mod tests {
             println!("g = {g}: sd/mean {relative:.3}, variance lower by {ratio:.2}");
             for m in [by_table, by_distance] {
                 let z = (m.mean() - truth) / (m.variance() / m.count()).sqrt();
-                assert!(two_sided_p(z) > sidak(0.01, 8), "g = {g}: {} expected {truth}, z = {z}", m.mean());
+                assert!(two_sided_p(z) > sidak(0.01, 10), "g = {g}: {} expected {truth}, z = {z}", m.mean());
             }
             assert!(ratio > gain, "g = {g}: {ratio}");
         }

@@ -96,7 +96,7 @@ const USUAL_RADIUS: [f32; 2] = [0.1, 0.01];
 
 /// Contrast of a phase function, and optical depth of a camera's ray, from which on a table of turns pays.
 const UNEVEN: f32 = 1.5;
-const DEEP: f32 = 4.0;
+const DEEP: f32 = 1.0;
 
 /// The set of light paths from which a radius is found.
 const PILOT_SET: u32 = u32::MAX;

@@ -108,7 +108,9 @@ fn make(parameters: &Parameters, kind: Kind) -> Result<Box<dyn Integrator>, Para
     };
     let light_seed = match parameters.integer("light_seed") {
         -1 => None,
-        seed => Some(u64::try_from(seed).map_err(|_| parameters.out_of_range("light_seed", "-1 or a whole number from 0"))?),
+        seed => Some(
+            u64::try_from(seed).map_err(|_| parameters.out_of_range("light_seed", "-1 or a whole number from 0"))?,
+        ),
     };
     let options = Options {
         camera_rules,
