@@ -38,7 +38,7 @@ enum Compensation {
     None,
     /// Paths are traced for it.
     Path,
-    /// In media the lights themselves give it, as if nothing stood in the way; on surfaces paths.
+    /// In media the lights themselves give it, from steps as short as the bound's reach; on surfaces paths.
     Approximate,
 }
 
