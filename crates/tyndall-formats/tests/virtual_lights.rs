@@ -3,6 +3,8 @@
 mod common;
 
 use common::{agrees, integrator, mean, scene};
+use tyndall::scene::desc::IntegratorDesc;
+use tyndall::{Rendering, Settings};
 use tyndall_testkit::corpus::{Case, Furnace, Infinite, furnace, furnace_room, infinite};
 use tyndall_testkit::ztest::sidak;
 
@@ -31,12 +33,14 @@ fn check(name: &str, set: &[(&str, &str)], case: &Case, truth: [f64; 3], precisi
 }
 
 /// Each kind of lights, all of which a query visits.
-const KINDS: [(&str, &[(&str, &str)]); 5] = [
+const KINDS: [(&str, &[(&str, &str)]); 7] = [
+    ("vrl", &[("photons", "20"), ("product", "always"), ("extent", "long"), ("lights", "0")]),
     ("vpl", &[("photons", "20"), ("lights", "0")]),
     ("vpl", &[("photons", "20"), ("clamp", "4"), ("lights", "0")]),
-    ("vrl", &[("photons", "20"), ("extent", "short"), ("lights", "0")]),
-    ("vrl", &[("photons", "20"), ("extent", "long"), ("lights", "0")]),
+    ("vrl", &[("photons", "20"), ("product", "never"), ("extent", "short"), ("lights", "0")]),
+    ("vrl", &[("photons", "20"), ("product", "never"), ("extent", "long"), ("lights", "0")]),
     ("vbl", &[("photons", "20"), ("radius", "0.03"), ("reuse", "0"), ("lights", "0")]),
+    ("vsl", &[("photons", "20"), ("radius", "0.03"), ("reuse", "0"), ("lights", "0")]),
 ];
 
 /// Light scattered twice, alone: what virtual lights themselves give.
@@ -47,7 +51,7 @@ fn double_scattering() {
     let orders = |n| infinite("double", &Infinite { orders: Some(n), ..Infinite::default() });
     let (both, single) = (orders(2).radiance, orders(1).radiance);
     let truth = [0, 1, 2].map(|c| both[c] - single[c]);
-    for (kind, set) in &KINDS[..4] {
+    for (kind, set) in &KINDS[..5] {
         check(kind, &[set, &TWICE[..]].concat(), &orders(1), truth, 0.01);
     }
 }
@@ -64,7 +68,7 @@ fn forward(g: f64) -> (Case, [f64; 3]) {
 fn anisotropic_double_scattering() {
     for g in [0.5, -0.5] {
         let (case, truth) = forward(g);
-        for (kind, set) in &KINDS[..4] {
+        for (kind, set) in &KINDS[..5] {
             check(kind, &[set, &TWICE[..]].concat(), &case, truth, 0.01);
         }
     }
@@ -73,7 +77,7 @@ fn anisotropic_double_scattering() {
 #[test]
 fn chromatic_triple_scattering() {
     let case = infinite("triple", &Infinite { orders: Some(3), ..tyndall_testkit::corpus::CHROMATIC });
-    for (kind, set) in &KINDS[..4] {
+    for (kind, set) in &KINDS[..5] {
         check(kind, set, &case, case.radiance, 0.01);
     }
 }
@@ -89,7 +93,7 @@ fn furnaces() {
         furnace("lens", Furnace { lens: true, sigma_t: [0.7; 3], ..Furnace::default() }),
         furnace_room(0.5),
     ] {
-        for (kind, set) in &KINDS[..4] {
+        for (kind, set) in &KINDS[..5] {
             check(kind, set, &case, case.radiance, 0.015);
         }
     }
@@ -105,13 +109,92 @@ fn some_of_the_lights() {
 
 /// The bias of a radius is of second order: gone at a small one.
 #[test]
-fn beams_of_light() {
-    let (kind, set) = KINDS[4];
-    let set: Vec<_> = set.iter().copied().filter(|(key, _)| *key != "reuse").collect();
-    let double = infinite("double", &Infinite { orders: Some(2), ..Infinite::default() });
-    for case in [double, furnace_room(0.5)] {
-        check(kind, &set, &case, case.radiance, 0.01);
+fn beams_and_spheres_of_light() {
+    for (kind, set) in &KINDS[5..] {
+        let set: Vec<_> = set.iter().copied().filter(|(key, _)| *key != "reuse").collect();
+        let double = infinite("double", &Infinite { orders: Some(2), ..Infinite::default() });
+        for case in [double, furnace_room(0.5)] {
+            check(kind, &set, &case, case.radiance, 0.01);
+        }
+        let (case, truth) = forward(0.5);
+        check(kind, &[&set, &TWICE[..]].concat(), &case, truth, 0.01);
     }
-    let (case, truth) = forward(0.5);
-    check(kind, &[&set, &TWICE[..]].concat(), &case, truth, 0.01);
+}
+
+/// Lights cut off at a quarter of the mean free path.
+fn cut_off(compensation: &'static str) -> Vec<(&'static str, &'static str)> {
+    vec![("photons", "20"), ("clamp", "16"), ("compensation", compensation), ("lights", "0")]
+}
+
+/// A point light in a medium without end: what the bound cuts off is a tenth, and both compensations give it back. In
+/// coloured media too, and after any number of scatterings.
+#[test]
+fn compensations() {
+    let multiple = infinite("multiple", &Infinite { orders: None, ..Infinite::default() });
+    let chromatic = infinite("triple", &Infinite { orders: Some(3), ..tyndall_testkit::corpus::CHROMATIC });
+    for case in [&multiple, &chromatic] {
+        for kind in ["vpl", "vrl"] {
+            check(kind, &cut_off("approximate"), case, case.radiance, 0.01);
+        }
+        check("vpl", &cut_off("path"), case, case.radiance, 0.01);
+    }
+    let mut set: Vec<_> = cut_off("none").iter().map(|(k, v)| (*k, v.to_string())).collect();
+    set.push(("max_depth", max_depth(&multiple)));
+    let (mean, error) = mean(&scene(&multiple, true), integrator("vpl", &set), 1 << 17, multiple.radiance, 0.005);
+    println!("cut off: {} +- {}, all: {}", mean[0], error[0], multiple.radiance[0]);
+    assert!(mean[0] < 0.95 * multiple.radiance[0], "{} +- {}", mean[0], error[0]);
+}
+
+/// A room of fog and walls, seen from `x`.
+fn frame(integrator: IntegratorDesc, x: f32, seed: u64) -> Vec<[f32; 3]> {
+    let mut case = furnace_room(0.5);
+    // A lamp in the middle, so that there is something to see.
+    case.xml = case
+        .xml
+        .replace("fov\" value=\"0.01\"", "fov\" value=\"60\"")
+        .replace("<emitter type=\"area\"><rgb name=\"radiance\" value=\"0.5\"/><ref id=\"fog\"/></emitter>", "");
+    case.xml = case.xml.replace("0.3, 0.2, 0.4\"", &format!("{}, 0.2, 0.4\"", 0.3 + x)).replace(
+        "<sensor",
+        "<emitter type=\"point\"><point name=\"position\" x=\"-0.4\" y=\"0.5\" z=\"0\"/><ref id=\"fog\"/></emitter><sensor",
+    );
+    let scene = scene(&case, false);
+    let settings = Settings { integrator: Some(integrator), seed: Some(seed), ..Settings::default() };
+    let mut rendering = Rendering::new(&scene, &settings).unwrap();
+    rendering.add_passes(256).unwrap();
+    rendering.picture().pixels.clone()
+}
+
+/// Mean square difference of two pictures.
+fn difference(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
+    let squares = a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| f64::from(a - b).powi(2));
+    squares.sum::<f64>() / (3 * a.len()) as f64
+}
+
+/// Few lights, all of which serve all passes: their own noise is what the pictures have.
+#[test]
+fn frames_share_lights() {
+    for kind in ["vpl", "vsl", "vrl", "vbl"] {
+        let with = |light_seed: &str| {
+            let set = [("photons", "20"), ("lights", "0"), ("reuse", "0"), ("components", "indirect+multiple")];
+            let mut set: Vec<_> = set.iter().map(|(k, v)| (*k, v.to_string())).collect();
+            set.push(("light_seed", light_seed.into()));
+            if kind == "vpl" {
+                set.push(("clamp", "20".into()));
+                set.push(("compensation", "none".into()));
+            }
+            integrator(kind, &set)
+        };
+        let first = frame(with("7"), 0.0, 1);
+        // The picture's seed decides nothing but noise, which is low.
+        let other_seed = difference(&first, &frame(with("7"), 0.0, 2));
+        let moved = difference(&first, &frame(with("7"), 1e-3, 1));
+        let other_lights = difference(&first, &frame(with("8"), 0.0, 1));
+        let own_lights = difference(&frame(with("-1"), 0.0, 1), &frame(with("-1"), 0.0, 2));
+        println!(
+            "{kind}: moved {moved:e}, other seed {other_seed:e}, other lights {other_lights:e}, own {own_lights:e}"
+        );
+        assert!(moved < 1e-3 * other_lights, "{kind}: {moved} against {other_lights}");
+        assert!(other_seed < 1e-2 * other_lights, "{kind}: {other_seed} against {other_lights}");
+        assert!(own_lights > 0.3 * other_lights, "{kind}: {own_lights} against {other_lights}");
+    }
 }

@@ -6,11 +6,11 @@ use crate::math::{PerLength, Ray, Vec3};
 #[derive(Clone, Copy, Debug)]
 pub struct Equiangular {
     /// Distance along the ray of the foot of the perpendicular, metres.
-    delta: f32,
+    pub(super) delta: f32,
     /// Distance of the point from the ray's line, metres, never zero.
-    height: f32,
+    pub(super) height: f32,
     /// Angle that the segment spans, seen from the point.
-    span: f32,
+    pub(super) span: f32,
 }
 
 impl Equiangular {
@@ -44,6 +44,14 @@ impl Equiangular {
         let (sin, cos) = (u * self.span).sin_cos();
         let square = self.delta * self.delta + self.height * self.height;
         (square * sin / (self.height * cos + self.delta * sin)).max(0.0)
+    }
+
+    /// The `u` for which [`Equiangular::sample`] gives the distance `t`.
+    #[inline]
+    pub fn position(&self, t: f32) -> f32 {
+        // The angle between the directions to the start and to `t`.
+        let (sin, cos) = (self.height * t, self.height * self.height - self.delta * (t - self.delta));
+        sin.atan2(cos) / self.span
     }
 
     /// Density of the distance `t`.

@@ -12,6 +12,7 @@ pub mod merge;
 pub mod query;
 pub mod ray_pair;
 pub mod transport;
+pub mod turns;
 
 pub use gather::gather;
 pub use merge::{Meet, Merge};

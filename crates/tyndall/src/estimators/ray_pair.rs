@@ -73,9 +73,7 @@ impl RayPair {
     /// The pair for `u` in [0, 1)^2.
     #[inline]
     pub fn sample(&self, u: [f32; 2]) -> PairSample {
-        let variable = self.start + u[0] * self.range;
-        let s = if self.width.is_finite() { self.foot + self.width * variable.sinh() } else { variable };
-        let s = s.clamp(0.0, self.light_length);
+        let s = self.on_light(u[0]);
         let across = self.across(s);
         let t = across.sample(u[1]).min(self.camera_length);
         PairSample { s, t, pdf: self.density_on_light(s) * across.density(t).0 }
@@ -86,11 +84,35 @@ impl RayPair {
         self.density_on_light(s) * self.across(s).density(t).0
     }
 
-    fn across(&self, s: f32) -> Equiangular {
+    /// The distance on light's ray for `u` in [0, 1).
+    #[inline]
+    pub(super) fn on_light(&self, u: f32) -> f32 {
+        let variable = self.start + u * self.range;
+        let s = if self.width.is_finite() { self.foot + self.width * variable.sinh() } else { variable };
+        s.clamp(0.0, self.light_length)
+    }
+
+    /// The `u` that gives the distance `s` on light's ray.
+    pub(super) fn position_on_light(&self, s: f32) -> f32 {
+        let variable = if self.width.is_finite() { ((s - self.foot) / self.width).asinh() } else { s };
+        (variable - self.start) / self.range
+    }
+
+    /// Light's ray and the camera's.
+    #[inline]
+    pub(super) fn rays(&self) -> [&Ray; 2] {
+        [&self.light, &self.camera]
+    }
+
+    /// Distances on the camera's ray, seen from the distance `s` on light's.
+    #[inline]
+    pub(super) fn across(&self, s: f32) -> Equiangular {
         Equiangular::softened(&self.camera, self.camera_length, self.light.at(s), self.radius)
     }
 
-    fn density_on_light(&self, s: f32) -> f32 {
+    /// Density of the distance `s` on light's ray, 1/m.
+    #[inline]
+    pub(super) fn density_on_light(&self, s: f32) -> f32 {
         if self.width.is_finite() { 1.0 / (self.range * self.width.hypot(s - self.foot)) } else { 1.0 / self.range }
     }
 }

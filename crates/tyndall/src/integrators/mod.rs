@@ -144,6 +144,7 @@ pub static REGISTRY: &[IntegratorInfo] = &[
     bidirectional::registry::VCM,
     bidirectional::registry::UPBP,
     virtual_lights::registry::VPL,
+    virtual_lights::registry::VSL,
     virtual_lights::registry::VRL,
     virtual_lights::registry::VBL,
     composite::INFO,

@@ -7,6 +7,7 @@ pub mod kernels;
 pub mod lanes;
 pub mod measure;
 pub mod octahedral;
+pub mod polyline;
 pub mod random;
 pub mod ray;
 pub mod sampler;

@@ -18,6 +18,11 @@ impl Choice {
         }));
     }
 
+    /// How many lights there are.
+    pub(super) fn len(&self) -> usize {
+        self.cumulative.len()
+    }
+
     /// Visits all lights, or `count` of them at equal steps of the sum of weights, shifted by `u` in [0, 1): `visit` is told
     /// the light and the reciprocal of the expected number of its visits.
     #[inline]

@@ -6,10 +6,12 @@
 
 mod camera;
 mod chosen;
+mod nearby;
 pub mod registry;
 
 use self::camera::Seeker;
 use self::chosen::Choice;
+use self::nearby::Nearby;
 use super::components::Components;
 use super::volpath::{self, Volpath};
 use super::{Counts, Integrator, Job, RareEvents, sample_pixels};
@@ -17,7 +19,28 @@ use crate::film::Splats;
 use crate::film::pixels::PixelSum;
 use crate::photons::{Extent, LightPaths, TraceError, Tracing, Wanted};
 use crate::scene::Scene;
+use crate::scene::desc::MediumId;
 use crate::walk::{Profile, Rules, Scattering};
+
+/// Whether points on rays are chosen by what phase functions and transmittance make of them, besides their distance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Product {
+    /// Where that pays.
+    Automatic,
+    Always,
+    Never,
+}
+
+/// What becomes of light that the bound on nearness cuts off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Compensation {
+    /// It is missing.
+    None,
+    /// Paths are traced for it.
+    Path,
+    /// In media the lights themselves give it, from steps as short as the bound's reach; on surfaces paths.
+    Approximate,
+}
 
 /// All choices.
 #[derive(Clone, Copy, Debug)]
@@ -33,14 +56,18 @@ pub(super) struct Options {
     extent: Extent,
     /// Lights that a query visits; 0: all.
     lights: u32,
-    /// Pairs of points on a ray light and a camera's ray.
+    /// Points on a camera's ray for each light, or pairs of points for ray lights.
     samples: u32,
+    product: Product,
     /// Bound on 1/d^2, 1/m^2; 0: none.
     clamp: f32,
+    compensation: Compensation,
     /// First radius of lights that are balls, metres: 0 for an automatic one, `None` for points and rays.
     radius: Option<f32>,
     /// Passes that share a set of light paths; 0: all.
     reuse: u32,
+    /// What light paths are keyed by instead of the picture's seed.
+    light_seed: Option<u64>,
     components: Components,
     memory: usize,
 }
@@ -53,6 +80,8 @@ pub(super) struct VirtualLights {
     /// Which vertices and which beams a query visits.
     points: Choice,
     rays: Choice,
+    /// Whether the phase function of each medium is so uneven that points are better chosen by it.
+    uneven: Vec<bool>,
     first_radius: Option<f32>,
     /// Radius of lights, metres; 0 for points and rays.
     radius: f32,
@@ -65,6 +94,10 @@ pub(super) struct VirtualLights {
 /// diagonal.
 const USUAL_RADIUS: [f32; 2] = [0.1, 0.01];
 
+/// Contrast of a phase function, and optical depth of a camera's ray, from which on a table of turns pays.
+const UNEVEN: f32 = 1.5;
+const DEEP: f32 = 1.0;
+
 /// The set of light paths from which a radius is found.
 const PILOT_SET: u32 = u32::MAX;
 
@@ -76,6 +109,7 @@ impl VirtualLights {
             paths: LightPaths::default(),
             points: Choice::default(),
             rays: Choice::default(),
+            uneven: Vec::new(),
             first_radius: None,
             radius: 0.0,
             set: None,
@@ -88,7 +122,7 @@ impl VirtualLights {
         Tracing {
             paths: photons,
             rules: light_rules,
-            seed,
+            seed: self.options.light_seed.unwrap_or(seed),
             set,
             extent,
             footprints: false,
@@ -100,6 +134,15 @@ impl VirtualLights {
         }
     }
 
+    /// Whether points on rays in these media are chosen by how light turns there, on a camera's ray of that optical depth.
+    #[inline(always)]
+    fn turns_matter(&self, media: [MediumId; 2], depth: f32) -> bool {
+        match self.options.product {
+            Product::Automatic => depth > DEEP || media.iter().any(|id| self.uneven[id.0]),
+            product => product == Product::Always,
+        }
+    }
+
     /// The radius to begin with: as given, or from a few light paths; 0 for points and rays.
     fn first_radius(&mut self, scene: &Scene, seed: u64) -> Result<f32, TraceError> {
         let radius = match (self.first_radius, self.options.radius) {
@@ -107,7 +150,8 @@ impl VirtualLights {
             (None, None) => 0.0,
             (None, Some(given)) if given > 0.0 => given,
             (None, Some(_)) => {
-                self.paths.trace(scene, &self.tracing(seed, PILOT_SET))?;
+                let pilot = self.tracing(seed, PILOT_SET);
+                self.paths.trace(scene, &Tracing { wanted: Wanted { beams: true, ..pilot.wanted }, ..pilot })?;
                 let lengths = self.paths.beams.iter().map(|beam| f64::from(beam.length));
                 match self.paths.beams.len() {
                     0 => USUAL_RADIUS[1] * scene.geometry.bounds().extent().length(),
@@ -134,6 +178,9 @@ impl Integrator for VirtualLights {
             return Ok(serves);
         }
         let first_radius = self.first_radius(scene, seed)?;
+        if self.uneven.is_empty() {
+            self.uneven.extend(scene.media().iter().map(|medium| medium.phase().contrast() > UNEVEN));
+        }
         self.paths.trace(scene, &self.tracing(seed, set))?;
         self.points.of(self.paths.vertices.iter().map(|v| v.throughput.max_channel()));
         self.rays.of(self.paths.beams.iter().map(|beam| beam.flux.unpack().max_channel() * beam.length));
@@ -157,7 +204,11 @@ impl Integrator for VirtualLights {
             if !straight {
                 return traced;
             }
-            traced + Seeker::radiance(self, scene, &mut profile, sample.film, sampler)
+            let lit = traced + Seeker::radiance(self, scene, &mut profile, sample.film, sampler);
+            match self.options.compensation {
+                Compensation::Approximate => lit + Nearby::radiance(self, scene, &mut profile, sample.film, sampler),
+                _ => lit,
+            }
         })
     }
 }

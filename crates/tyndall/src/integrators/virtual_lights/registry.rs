@@ -1,6 +1,6 @@
 //! The names of the family.
 
-use super::{Options, VirtualLights};
+use super::{Compensation, Options, Product, VirtualLights};
 use crate::integrators::components::Components;
 use crate::integrators::photon_mapping::declared::{ABSORPTION, EXTENT, MEMORY, REUSE, photons};
 use crate::integrators::volpath::common::{HIDE_EMITTERS, MAX_DEPTH, RR_DEPTH};
@@ -21,7 +21,22 @@ const SAMPLES: ParameterInfo = ParameterInfo {
     kind: ParameterKind::Integer,
     default: "1",
     unit: "",
-    description: "Points on a ray light for each ray or surface that it is connected with.",
+    description: "Points on a ray through a medium, and on a ray light, for each pair that is connected.",
+};
+const PRODUCT: ParameterInfo = ParameterInfo {
+    name: "product",
+    kind: ParameterKind::Choice(&["auto", "always", "never"]),
+    default: "auto",
+    unit: "",
+    description: "Whether points on ray lights and rays are chosen by phase functions and transmittance too, from a table, or by \
+                  their distance alone; auto is where phase functions are uneven or rays optically long.",
+};
+const LIGHT_SEED: ParameterInfo = ParameterInfo {
+    name: "light_seed",
+    kind: ParameterKind::Integer,
+    default: "-1",
+    unit: "",
+    description: "Seed of light paths, so that the frames of an animation share them; -1 is the picture's.",
 };
 const CLAMP: ParameterInfo = ParameterInfo {
     name: "clamp",
@@ -32,10 +47,11 @@ const CLAMP: ParameterInfo = ParameterInfo {
 };
 const COMPENSATION: ParameterInfo = ParameterInfo {
     name: "compensation",
-    kind: ParameterKind::Choice(&["path", "none"]),
+    kind: ParameterKind::Choice(&["path", "approximate", "none"]),
     default: "path",
     unit: "",
-    description: "Whether paths are traced for the light that `clamp` cuts off (Kollig and Keller 2004), or it is missing.",
+    description: "Whether paths are traced for the light that `clamp` cuts off (Kollig and Keller 2004), or the lights give it \
+                  within media (Engelhardt et al. 2012), or it is missing.",
 };
 const RADIUS: ParameterInfo = ParameterInfo {
     name: "radius",
@@ -49,8 +65,21 @@ const RADIUS: ParameterInfo = ParameterInfo {
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Points,
+    Spheres,
     Rays,
     Beams,
+}
+
+impl Kind {
+    /// Whether lights in media are segments rather than vertices.
+    fn has_rays(self) -> bool {
+        matches!(self, Self::Rays | Self::Beams)
+    }
+
+    /// Whether lights have a radius.
+    fn has_radius(self) -> bool {
+        matches!(self, Self::Spheres | Self::Beams)
+    }
 }
 
 fn make(parameters: &Parameters, kind: Kind) -> Result<Box<dyn Integrator>, ParameterError> {
@@ -60,27 +89,56 @@ fn make(parameters: &Parameters, kind: Kind) -> Result<Box<dyn Integrator>, Para
     let (rr_depth, rr_cap) = if weighted { (5, RR_CAP) } else { (0, 1.0) };
     let from_zero = "a number from 0";
     let components = Components::read(parameters)?;
-    let clamp = if kind == Kind::Beams { 0.0 } else { parameters.number("clamp", |c| c >= 0.0, from_zero)? };
-    let compensates = clamp > 0.0 && parameters.text("compensation") == "path";
+    let clamp = if kind.has_radius() { 0.0 } else { parameters.number("clamp", |c| c >= 0.0, from_zero)? };
+    let compensation = match clamp > 0.0 {
+        true => match parameters.text("compensation").as_str() {
+            "path" => Compensation::Path,
+            "approximate" => Compensation::Approximate,
+            _ => Compensation::None,
+        },
+        false => Compensation::None,
+    };
+    let product = match kind.has_rays() {
+        true => match parameters.text("product").as_str() {
+            "always" => Product::Always,
+            "never" => Product::Never,
+            _ => Product::Automatic,
+        },
+        false => Product::Never,
+    };
+    let light_seed = match parameters.integer("light_seed") {
+        -1 => None,
+        seed => Some(
+            u64::try_from(seed).map_err(|_| parameters.out_of_range("light_seed", "-1 or a whole number from 0"))?,
+        ),
+    };
     let options = Options {
         camera_rules,
         light_rules: Rules { max_depth, rr_depth, rr_cap, media: Media::Scatter },
         photons: parameters.count("photons", 1, "a whole number from 1")?,
-        rays: kind != Kind::Points,
-        extent: if kind != Kind::Points && parameters.text("extent") == "long" { Extent::Long } else { Extent::Short },
+        rays: kind.has_rays(),
+        extent: if kind.has_rays() && parameters.text("extent") == "long" { Extent::Long } else { Extent::Short },
         lights: parameters.count("lights", 0, "a whole number from 0")?,
-        samples: if kind == Kind::Points { 1 } else { parameters.count("samples", 1, "a whole number from 1")? },
+        samples: parameters.count("samples", 1, "a whole number from 1")?,
+        product,
         clamp,
-        radius: match kind {
-            Kind::Beams => Some(parameters.number("radius", |r| r >= 0.0, from_zero)?),
-            _ => None,
+        compensation,
+        radius: match kind.has_radius() {
+            true => Some(parameters.number("radius", |r| r >= 0.0, from_zero)?),
+            false => None,
         },
         reuse: parameters.count("reuse", 0, "a whole number from 0")?,
+        light_seed,
         components,
         memory: usize::try_from(parameters.bytes("memory")).unwrap_or(usize::MAX),
     };
-    let traced = if compensates { components } else { components.intersection(Components::STRAIGHT.complement()) };
-    let path = volpath::Options::beside(parameters, traced, if compensates { clamp } else { 0.0 })?;
+    let given = match compensation {
+        Compensation::None => Components::STRAIGHT,
+        Compensation::Approximate => Components::STRAIGHT.intersection(Components::MULTIPLE),
+        Compensation::Path => Components::NONE,
+    };
+    let bound = if compensation == Compensation::None { 0.0 } else { clamp };
+    let path = volpath::Options::beside(parameters, components.intersection(given.complement()), bound)?;
     Ok(Box::new(VirtualLights::new(options, path)))
 }
 
@@ -94,8 +152,8 @@ macro_rules! entry {
             source: $source,
             parameters: {
                 const PARAMETERS: &[ParameterInfo] = &[
-                    photons("1000"), LIGHTS, $($parameter,)* ABSORPTION, REUSE, Components::PARAMETER, MAX_DEPTH,
-                    RR_DEPTH, HIDE_EMITTERS, MEMORY,
+                    photons("1000"), LIGHTS, SAMPLES, $($parameter,)* ABSORPTION, REUSE, LIGHT_SEED, Components::PARAMETER,
+                    MAX_DEPTH, RR_DEPTH, HIDE_EMITTERS, MEMORY,
                 ];
                 PARAMETERS
             },
@@ -108,9 +166,18 @@ macro_rules! entry {
 pub const VPL: IntegratorInfo = entry!(
     "vpl",
     "Virtual point lights: vertices of light paths light surfaces and camera rays.",
-    "Keller 1997; Raab, Seibert and Keller 2008; Kollig and Keller 2004",
+    "Keller 1997; Raab, Seibert and Keller 2008; Kollig and Keller 2004; Engelhardt, Novak, Schmidt and Dachsbacher 2012",
     Kind::Points,
     [CLAMP, COMPENSATION]
+);
+
+/// The registry's entry of `vsl`.
+pub const VSL: IntegratorInfo = entry!(
+    "vsl",
+    "Progressive virtual spherical lights: point lights with a radius that shrinks from pass to pass.",
+    "Hasan, Krivanek, Walter and Bala 2009",
+    Kind::Spheres,
+    [RADIUS]
 );
 
 /// The registry's entry of `vrl`.
@@ -119,7 +186,7 @@ pub const VRL: IntegratorInfo = entry!(
     "Virtual ray lights: segments of light paths in media light surfaces and camera rays.",
     "Novak, Nowrouzezahrai, Dachsbacher and Jarosz 2012",
     Kind::Rays,
-    [SAMPLES, EXTENT, CLAMP, COMPENSATION]
+    [PRODUCT, EXTENT, CLAMP, COMPENSATION]
 );
 
 /// The registry's entry of `vbl`.
@@ -128,5 +195,5 @@ pub const VBL: IntegratorInfo = entry!(
     "Progressive virtual beam lights: ray lights with a radius that shrinks from pass to pass.",
     "Novak, Nowrouzezahrai, Dachsbacher and Jarosz 2012; Hasan, Krivanek, Walter and Bala 2009",
     Kind::Beams,
-    [SAMPLES, EXTENT, RADIUS]
+    [PRODUCT, EXTENT, RADIUS]
 );

@@ -26,6 +26,17 @@ impl Blend {
         first + self.weight * (second - first)
     }
 
+    pub(super) fn at_cosine(&self, cos: f32) -> f32 {
+        let (first, second) = (self.first.at_cosine(cos), self.second.at_cosine(cos));
+        first + self.weight * (second - first)
+    }
+
+    /// Upper bound of [`Phase::contrast`], which is convex in the function.
+    pub(super) fn contrast(&self) -> f32 {
+        let (first, second) = (self.first.contrast(), self.second.contrast());
+        first + self.weight * (second - first)
+    }
+
     /// A direction with the density of the value; `u1` chooses the function and is stretched for the next blend inside.
     pub fn sample(&self, x: Vec3, d_in: Vec3, u1: f32, u2: Vec2) -> (Vec3, PerSolidAngle) {
         const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;

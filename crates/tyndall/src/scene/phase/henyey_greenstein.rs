@@ -47,6 +47,18 @@ impl HenyeyGreenstein {
         self.value((d_out - self.sign * d_in).length_squared())
     }
 
+    /// Value at the cosine between both directions, 1/sr, without the digits that the peak of a function near one needs.
+    #[inline(always)]
+    pub(super) fn at_cosine(&self, cos: f32) -> f32 {
+        self.value((2.0 - 2.0 * self.sign * cos).max(0.0))
+    }
+
+    /// As [`Phase::contrast`](super::Phase::contrast): `(1 + g^2) / (1 - g^2)^2`.
+    pub(super) fn contrast(&self) -> f32 {
+        let g2 = self.size * self.size;
+        (1.0 + g2) / ((1.0 - g2) * (1.0 - g2))
+    }
+
     /// Value at the squared chord from the axis to the direction.
     #[inline(always)]
     fn value(&self, chord_squared: f32) -> f32 {

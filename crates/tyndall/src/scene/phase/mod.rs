@@ -113,6 +113,42 @@ impl Phase {
         }
     }
 
+    /// Value at the cosine between both directions, 1/sr. Of microflakes, for which more than the cosine counts, a rough mean.
+    fn at_cosine(&self, cos: f32) -> f32 {
+        match self {
+            Self::Isotropic | Self::Sggx(_) => isotropic::VALUE,
+            Self::HenyeyGreenstein(model) => model.at_cosine(cos),
+            Self::Rayleigh => rayleigh::eval(cos),
+            Self::Tabulated(model) => model.eval(cos),
+            Self::Blend(model) => model.at_cosine(cos),
+        }
+    }
+
+    /// Multiplies each of `values` by a number proportional to the value at the cosine beside it: for tables of densities. Of
+    /// microflakes, for which more than the cosine counts, always the same.
+    #[inline]
+    pub fn scale_table(&self, cosines: &[f32], values: &mut [f32]) {
+        match self {
+            Self::Isotropic | Self::Sggx(_) => {}
+            Self::HenyeyGreenstein(model) => {
+                values.iter_mut().zip(cosines).for_each(|(value, cos)| *value *= model.at_cosine(*cos));
+            }
+            other => values.iter_mut().zip(cosines).for_each(|(value, cos)| *value *= other.at_cosine(*cos)),
+        }
+    }
+
+    /// How far from even: the integral of the squared value over the sphere in units of that of isotropic scattering. Of
+    /// blends an upper bound; of microflakes, which depend on direction and place, 1.
+    pub fn contrast(&self) -> f32 {
+        match self {
+            Self::Isotropic | Self::Sggx(_) => 1.0,
+            Self::HenyeyGreenstein(model) => model.contrast(),
+            Self::Rayleigh => 1.05,
+            Self::Tabulated(model) => model.contrast(),
+            Self::Blend(model) => model.contrast(),
+        }
+    }
+
     /// A direction with the density of the value, and that density. `u1` chooses among blended functions, `u2` the
     /// direction; all in [0, 1).
     #[inline(always)]

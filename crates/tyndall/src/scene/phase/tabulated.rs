@@ -49,6 +49,14 @@ impl Tabulated {
         self.values[i] + t * (self.values[i + 1] - self.values[i])
     }
 
+    /// As [`Phase::contrast`](super::Phase::contrast).
+    pub(super) fn contrast(&self) -> f32 {
+        // The square of what is linear between a and b has the mean (a^2 + a b + b^2) / 3.
+        let squares: f64 =
+            self.values.windows(2).map(|v| f64::from(v[0] * v[0] + v[0] * v[1] + v[1] * v[1]) / 3.0).sum();
+        (2.0 * TAU * TAU * squares / f64::from(self.resolution)) as f32
+    }
+
     /// A direction with the density of the value.
     #[inline]
     pub fn sample(&self, d_in: Vec3, u: Vec2) -> (Vec3, PerSolidAngle) {

@@ -123,6 +123,38 @@ fn mean_cosine_is_g() {
 }
 
 #[test]
+fn contrast_is_the_mean_value() {
+    for (name, desc) in all().into_iter().filter(|(name, _)| !name.contains("sggx")) {
+        let phase = compile(&desc);
+        // Samples have the density of the value, so its mean over them is the integral of its square.
+        let n = 1024;
+        let numbers = (0..n * n).map(|i| [(i % n) as f32 + 0.5, (i / n) as f32 + 0.5].map(|k| k / n as f32));
+        let values = numbers.map(|[a, b]| phase.sample(Vec3::ZERO, Vec3::Z, a, Vec2::new(b, 0.3)).1.0);
+        let mean = values.map(f64::from).sum::<f64>() / f64::from(n * n) * 4.0 * std::f64::consts::PI;
+        let (found, blend) = (f64::from(phase.contrast()), name.contains("blend"));
+        assert!(found > 0.995 * mean && (blend || found < 1.005 * mean), "{name}: {found} {mean}");
+    }
+}
+
+/// Up to a factor, which is the same for all cosines.
+#[test]
+fn tables_are_scaled_by_the_value() {
+    let cosines: Vec<f32> = (0..=20).map(|i| i as f32 / 10.0 - 1.0).collect();
+    for (name, desc) in all().into_iter().filter(|(name, _)| !name.contains("sggx")) {
+        let phase = compile(&desc);
+        let mut values = vec![2.0; cosines.len()];
+        phase.scale_table(&cosines, &mut values);
+        assert!(values.iter().any(|value| *value > 0.0));
+        let value = |cos: f32| phase.eval(Vec3::ZERO, Vec3::Z, Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos));
+        let [scaled, true_values] = [values.iter().sum::<f32>(), cosines.iter().map(|cos| value(*cos)).sum()];
+        for (cos, found) in cosines.iter().zip(&values) {
+            let expected = scaled / true_values * value(*cos);
+            assert!((found - expected).abs() <= 1e-3 * expected, "{name}, {cos}: {found} {expected}");
+        }
+    }
+}
+
+#[test]
 fn blends_choose_by_their_weights() {
     // Peaks forwards and backwards that hold all but a ten-thousandth of their light in their hemisphere.
     let inner = blend(0.25, hg(0.9999), hg(-0.9999));
