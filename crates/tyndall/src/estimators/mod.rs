@@ -8,6 +8,7 @@
 pub mod connect;
 pub mod equiangular;
 pub mod gather;
+pub mod joint;
 pub mod merge;
 pub mod query;
 pub mod ray_pair;
