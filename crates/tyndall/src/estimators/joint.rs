@@ -14,6 +14,7 @@
 
 use super::equiangular::Equiangular;
 use crate::math::{Frame, PerLength, PerSolidAngle, PerVolume, Ray, Vec2, Vec3};
+use crate::scene::Scene;
 use crate::scene::phase::Phase;
 use std::f32::consts::{PI, TAU};
 
@@ -46,6 +47,26 @@ impl Joint {
         Self { table: (!matches!(phase, Phase::Isotropic)).then(|| Table::new(value)) }
     }
 
+    /// For all media of a scene.
+    pub fn of_media(scene: &Scene) -> Vec<Self> {
+        scene.media().iter().map(|medium| Self::new(medium.phase())).collect()
+    }
+
+    /// The densities of b on the first `length` metres of `ray`, finite, for light of `target`.
+    #[inline]
+    pub fn approach(&self, ray: &Ray, length: f32, target: Vec3) -> Approach<'_> {
+        // In double precision: a short segment far away has a small range between large variables.
+        let direction = ray.direction.as_dvec3();
+        let to_target = target.as_dvec3() - ray.origin.as_dvec3();
+        let delta = to_target.dot(direction);
+        let height = (to_target - delta * direction).length().max(1e-6 * to_target.length()).max(1e-12);
+        let (start, end) = ((-delta / height).asinh(), ((f64::from(length) - delta) / height).asinh());
+        let table = self.table.as_ref();
+        let integral = |variable: f64| table.map_or(variable, |table| table.approach.integral(variable));
+        let (start, end) = (integral(start), integral(end));
+        Approach { table, length, delta, height, start, range: (end - start).max(1e-12) }
+    }
+
     /// A direction from the point b, to which the camera's walk has come along `arriving`, for light of `target`; `u` in
     /// [0, 1) chooses the half of the mixture, `u2` the direction. Its density is [`Onward::direction`].
     #[inline]
@@ -75,37 +96,26 @@ impl Joint {
     }
 }
 
-/// The densities of b, on a ray: proportional to 1/d, d the distance to a point.
+/// The densities of b, on a ray.
 #[derive(Clone, Copy, Debug)]
-pub struct Approach {
+pub struct Approach<'a> {
+    table: Option<&'a Table>,
     length: f32,
     /// Distance along the ray of the foot of the perpendicular, metres.
     delta: f64,
     /// Distance of the point from the ray's line, metres, never zero.
     height: f64,
-    /// The variable `asinh((t - delta) / height)` at the start of the ray, and its range.
+    /// Integral of the density over the variable `asinh((t - delta) / height)` up to the start of the ray, and over the ray.
     start: f64,
     range: f64,
 }
 
-impl Approach {
-    /// For the first `length` metres of `ray`, finite, and the point `target`.
-    #[inline]
-    pub fn new(ray: &Ray, length: f32, target: Vec3) -> Self {
-        // In double precision: a short segment far away has a small range between large variables.
-        let direction = ray.direction.as_dvec3();
-        let to_target = target.as_dvec3() - ray.origin.as_dvec3();
-        let delta = to_target.dot(direction);
-        let height = (to_target - delta * direction).length().max(1e-6 * to_target.length()).max(1e-12);
-        let start = (-delta / height).asinh();
-        let range = ((f64::from(length) - delta) / height).asinh() - start;
-        Self { length, delta, height, start, range: range.max(1e-12) }
-    }
-
+impl Approach<'_> {
     /// The distance for `u` in [0, 1).
     #[inline]
     pub fn sample(&self, u: f32) -> f32 {
-        let variable = self.start + f64::from(u) * self.range;
+        let integral = self.start + f64::from(u) * self.range;
+        let variable = self.table.map_or(integral, |table| table.approach.at(integral));
         ((self.delta + self.height * variable.sinh()) as f32).clamp(0.0, self.length)
     }
 
@@ -113,7 +123,8 @@ impl Approach {
     #[inline]
     pub fn density(&self, t: f32) -> PerLength {
         let along = f64::from(t) - self.delta;
-        PerLength((1.0 / (self.range * (self.height * self.height + along * along).sqrt())) as f32)
+        let value = self.table.map_or(1.0, |table| table.approach.value((along / self.height).asinh()));
+        PerLength((value / (self.range * (self.height * self.height + along * along).sqrt())) as f32)
     }
 }
 
@@ -179,11 +190,12 @@ struct Table {
     beyond: Vec<f32>,
     /// By node: probability that the line from b makes a smaller angle with the direction to d.
     below: Vec<f32>,
+    approach: Along,
 }
 
 impl Table {
     /// `value` is the phase function at an angle, 1/sr.
-    fn new(value: impl Fn(f64) -> f64) -> Self {
+    fn new(value: impl Fn(f64) -> f64 + Copy) -> Self {
         let width = std::f64::consts::PI / CELLS as f64;
         let mut beyond = vec![0.0; CELLS + 1];
         for i in (0..CELLS).rev() {
@@ -195,7 +207,8 @@ impl Table {
             below[i + 1] = below[i] + beyond[i] + beyond[i + 1];
         }
         let single = |values: &[f64], unit: f64| values.iter().map(|v| (v / unit) as f32).collect();
-        Self { beyond: single(&beyond, 1.0), below: single(&below, below[CELLS]) }
+        let approach = Along::new(value, &beyond);
+        Self { beyond: single(&beyond, 1.0), below: single(&below, below[CELLS]), approach }
     }
 
     #[inline]
@@ -254,6 +267,78 @@ impl Table {
     fn start_density(&self, angle: f32) -> f32 {
         let cell = Self::cell(angle);
         (self.below[cell + 1] - self.below[cell]) / WIDTH
+    }
+}
+
+/// Bound of the variable of [`Along`]; beyond, the ray's direction to the light hardly changes.
+const FAR: f64 = 6.0;
+const ALONG: usize = 128;
+const STEP: f64 = 2.0 * FAR / ALONG as f64;
+
+/// How much light is scattered twice towards the ray's origin from a place on it, over that of isotropic scattering: a function
+/// of the angle between the ray and the direction to d alone. Tabulated over the variable `A = asinh((t - delta) / height)`,
+/// in which the cosine of that angle is `-tanh A`; the same all over a cell.
+#[derive(Clone, Debug)]
+struct Along {
+    /// By cell.
+    values: Vec<f64>,
+    /// By node: integral from the first one.
+    integrals: Vec<f64>,
+}
+
+impl Along {
+    /// `value` is the phase function at an angle, `beyond` its integrals as in [`Table`].
+    fn new(value: impl Fn(f64) -> f64, beyond: &[f64]) -> Self {
+        const POLAR: usize = 64;
+        const AZIMUTH: usize = 32;
+        let scattered = |i: usize| {
+            let cos_light = -(-FAR + (i as f64 + 0.5) * STEP).tanh();
+            let sin_light = (1.0 - cos_light * cos_light).sqrt();
+            let mut sum = 0.0;
+            for j in 0..POLAR {
+                let polar = (j as f64 + 0.5) / POLAR as f64;
+                let (sin, cos) = (std::f64::consts::PI * polar).sin_cos();
+                for k in 0..AZIMUTH {
+                    let azimuth = std::f64::consts::PI * (k as f64 + 0.5) / AZIMUTH as f64;
+                    let turn = cos_light * cos + sin_light * sin * azimuth.cos();
+                    sum += value(turn.clamp(-1.0, 1.0).acos()) * beyond[(polar * CELLS as f64) as usize];
+                }
+            }
+            sum
+        };
+        let mut values: Vec<f64> = (0..ALONG).map(scattered).collect();
+        let mean = values.iter().sum::<f64>() / ALONG as f64;
+        values.iter_mut().for_each(|v| *v = *v / mean + 0.05);
+        let mut integrals = vec![0.0];
+        integrals.extend(values.iter().scan(0.0, |sum, v| {
+            *sum += STEP * v;
+            Some(*sum)
+        }));
+        Self { values, integrals }
+    }
+
+    #[inline]
+    fn cell(variable: f64) -> usize {
+        (((variable + FAR) / STEP) as usize).min(ALONG - 1)
+    }
+
+    #[inline]
+    fn value(&self, variable: f64) -> f64 {
+        self.values[Self::cell(variable)]
+    }
+
+    /// Integral up to the variable; the outer cells go on without end.
+    #[inline]
+    fn integral(&self, variable: f64) -> f64 {
+        let cell = Self::cell(variable);
+        self.integrals[cell] + self.values[cell] * (variable + FAR - cell as f64 * STEP)
+    }
+
+    /// The variable up to which the integral is that.
+    #[inline]
+    fn at(&self, integral: f64) -> f64 {
+        let cell = self.integrals.partition_point(|i| *i <= integral).clamp(1, ALONG) - 1;
+        cell as f64 * STEP - FAR + (integral - self.integrals[cell]) / self.values[cell]
     }
 }
 

@@ -10,6 +10,7 @@ pub mod equiangular;
 pub mod gather;
 pub mod joint;
 pub mod merge;
+pub mod pair;
 pub mod query;
 pub mod ray_pair;
 pub mod transport;

@@ -13,13 +13,13 @@
 
 pub mod joint;
 
-use self::joint::Bend;
 use super::components::{Components, History};
 use super::parameters::{ParameterError, Parameters};
 use super::{Integrator, IntegratorInfo, Job, ParameterInfo, RareEvents, path, sample_pixels};
 use crate::Spectrum;
 use crate::estimators::equiangular::Equiangular;
 use crate::estimators::joint::Joint;
+use crate::estimators::pair::{Bend, Stretch};
 use crate::estimators::transport::{Response, connect, departure, respond, samples_emitters};
 use crate::film::Splats;
 use crate::film::pixels::PixelSum;
@@ -28,8 +28,6 @@ use crate::photons::TraceError;
 use crate::scene::Scene;
 use crate::scene::desc::MediumId;
 use crate::scene::emitter::{EmitterId, EmitterSample};
-use crate::scene::medium::{Extinction, Homogeneous};
-use crate::walk::flight::Uniform;
 use crate::walk::{
     Escape, FromCamera, Media, Onward, Rules, Scattering, Segment, Sink, Start, SurfaceHit, Vertex, walk,
 };
@@ -94,7 +92,7 @@ pub const INFO: IntegratorInfo = IntegratorInfo {
         common::HIDE_EMITTERS,
         Components::PARAMETER,
         EQUIANGULAR_LEGS,
-        joint::PARAMETER,
+        joint::JOINT,
         ParameterInfo {
             name: "use_spectral_mis",
             kind: super::ParameterKind::Boolean,
@@ -212,7 +210,7 @@ impl Integrator for Volpath {
 
     fn prepare(&mut self, scene: &Scene, _: u64, _: u32) -> Result<u32, TraceError> {
         if self.options.joint && self.joints.is_empty() {
-            self.joints = scene.media().iter().map(|medium| Joint::new(medium.phase())).collect();
+            self.joints = Joint::of_media(scene);
         }
         Ok(u32::MAX)
     }
@@ -246,16 +244,6 @@ impl Volpath {
     }
 }
 
-/// What equiangular sampling asks of a segment.
-struct Stretch<'a> {
-    model: &'a Homogeneous,
-    uniform: Uniform,
-    /// Up to the next surface, or to where the medium has become opaque, metres.
-    length: f32,
-    /// Probability that light is scattered on it, times the share of emitters at finite distances.
-    lit: f32,
-}
-
 /// The segment on which the latest collision was sampled, for the densities of techniques that begin with the emitter.
 #[derive(Clone, Copy)]
 struct SampledFlight {
@@ -268,6 +256,15 @@ struct SampledFlight {
     share: f32,
     /// Probability of joint sampling of this collision and the next.
     joint: f32,
+}
+
+impl SampledFlight {
+    /// The end of the flight where the walk went on with that density.
+    #[inline(always)]
+    fn bend(&self, phase: PerSolidAngle) -> Option<Bend> {
+        let &Self { ray, length, medium, distance, density: flown, joint: share, .. } = self;
+        (share > 0.0).then_some(Bend { ray, length, medium, distance, flown, phase, share })
+    }
 }
 
 /// What the weights of multiple importance sampling need to know of the last vertex.
@@ -302,7 +299,7 @@ struct Tracer<'a> {
     share: f32,
 }
 
-impl<'a> Tracer<'a> {
+impl Tracer<'_> {
     /// The part of the light that counts if the next vertex lies at `position`.
     #[inline(always)]
     fn share_to(&self, position: Vec3) -> f32 {
@@ -318,23 +315,6 @@ impl<'a> Tracer<'a> {
         self.options.components.has(self.history.ends_at_emitter())
             && scatterings < self.options.rules.max_depth
             && !(self.options.hide_emitters && scatterings == 0)
-    }
-
-    /// What equiangular sampling asks of the segment of that `length` on leg number `leg`; `None` where it is not used.
-    #[inline(always)]
-    fn stretch(&self, medium: MediumId, ray: &Ray, length: f32, leg: u32) -> Option<Stretch<'a>> {
-        let medium = self.scene.medium(medium);
-        let Extinction::Homogeneous(model) = medium.kind() else { return None };
-        if leg >= self.options.equiangular_legs || !medium.sample_emitters() || !self.scene.lights.any_finite() {
-            return None;
-        }
-        let uniform = Uniform::along(model, medium.phase(), ray);
-        // A segment that leaves the scene is cut where the medium has become opaque.
-        let length = length.min(uniform.opaque_distance());
-        // As often as light is scattered here: elsewhere the shadow ray would be wasted.
-        let scattered = 1.0 - uniform.transmittance(length).mean();
-        let lit = scattered * self.scene.lights.finite_share();
-        (lit > 0.0).then_some(Stretch { model, uniform, length, lit })
     }
 
     /// Density with which techniques that begin with the emitter find the flight's end and the emitter's point `target`
@@ -355,7 +335,7 @@ impl<'a> Tracer<'a> {
         match bend {
             None => equiangular,
             Some(bend) => {
-                equiangular + self.joint_density(bend, ray, *length, *distance, emitter, target, normal) / density.0
+                equiangular + self.jointly(bend, ray, *length, *distance, emitter, target, normal) / density.0
             }
         }
     }
@@ -394,9 +374,13 @@ impl Sink for Tracer<'_> {
         self.last.survival *= segment.flight.survival;
         self.flight = None;
         self.equiangular = false;
-        let Some(stretch) = self.stretch(segment.medium, segment.ray, segment.length, segment.leg) else { return };
+        if segment.leg >= self.options.equiangular_legs {
+            return;
+        }
+        let ray = segment.ray;
+        let Some(stretch) = Stretch::along(self.scene, segment.medium, ray, segment.length) else { return };
         let Stretch { model, uniform, length, lit } = stretch;
-        let (ray, share) = (segment.ray, EQUIANGULAR_SHARE * lit);
+        let share = EQUIANGULAR_SHARE * lit;
         let joint = if self.joints.is_empty() { 0.0 } else { JOINT_SHARE * lit };
         if let Some(density) = segment.flight.density {
             let distance = segment.flight.distance;
@@ -435,7 +419,10 @@ impl Sink for Tracer<'_> {
         let by_emitter = (1.0 - share) * flown.0 * self.scene.lights.pdf_light_point(position, &point).0;
         let by_phase = if light.delta { 0.0 } else { flown.0 * phase.0 * survival };
         let (emitter, target, normal) = (light.emitter, light.position, light.normal);
-        let jointly = self.bend.map_or(0.0, |bend| self.joint_density(&bend, ray, length, t, emitter, target, normal));
+        let jointly = match &self.bend {
+            None => 0.0,
+            Some(bend) => self.jointly(bend, ray, length, t, emitter, target, normal),
+        };
         let weight = chosen / (chosen + by_emitter + by_phase + jointly);
         self.radiance += scattered * arriving * (self.share_to(position) * weight / (share * equiangular.density(t).0));
     }
@@ -529,7 +516,7 @@ impl Sink for Tracer<'_> {
             sampled,
             bend: self.bend.take(),
         };
-        self.bend = Bend::at(sampled, pdf);
+        self.bend = sampled.zip(pdf).and_then(|(flight, phase)| flight.bend(phase));
         self.history.scatter(medium, pdf.is_none());
         self.share > 0.0 && self.options.components.has(self.history.reachable())
     }

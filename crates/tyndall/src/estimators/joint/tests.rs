@@ -28,14 +28,17 @@ const SEGMENTS: [(f32, f32, f32); 5] =
 
 #[test]
 fn first_point_follows_its_density() {
-    for (seed, (delta, height, length)) in (1..).zip(SEGMENTS) {
-        let (ray, target) = passing(delta, height);
-        let approach = Approach::new(&ray, length, target);
-        let density = |t: f64| f64::from(approach.density(t as f32).0);
-        let end = f64::from(length);
-        let outcome = chi2::interval(|u| Some(approach.sample(u).into()), density, 0.0, end, 200_000, seed);
-        assert!((outcome.integral - 1.0).abs() < 1e-3, "{outcome:?}");
-        outcome.assert(SIGNIFICANCE, SEGMENTS.len());
+    for g in ANISOTROPIES {
+        let joint = Joint::new(&phase(g));
+        for (seed, (delta, height, length)) in (1..).zip(SEGMENTS) {
+            let (ray, target) = passing(delta, height);
+            let approach = joint.approach(&ray, length, target);
+            let density = |t: f64| f64::from(approach.density(t as f32).0);
+            let end = f64::from(length);
+            let outcome = chi2::interval(|u| Some(approach.sample(u).into()), density, 0.0, end, 200_000, seed);
+            assert!((outcome.integral - 1.0).abs() < 1e-3, "{outcome:?}");
+            outcome.assert(SIGNIFICANCE, ANISOTROPIES.len() * SEGMENTS.len());
+        }
     }
 }
 
@@ -139,7 +142,7 @@ fn scattered_twice(phase: &Phase, joint: &Joint, [a, h]: [f32; 2], rng: &mut Rng
     let end = 40.0;
     let ray = Ray { origin: Vec3::new(-a, h, 0.0), direction: Vec3::X };
     let light = Vec3::ZERO;
-    let approach = Approach::new(&ray, end, light);
+    let approach = joint.approach(&ray, end, light);
     let t = approach.sample(rng.f32());
     let b = ray.at(t);
     let direction = joint.sample_direction(phase, b, ray.direction, light, rng.f32(), rng.vec2());

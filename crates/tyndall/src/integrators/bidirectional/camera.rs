@@ -1,5 +1,6 @@
 //! The camera's walk, joined with emitters and with light's vertices.
 
+use super::joint::Pairing;
 use super::light::LightVertex;
 use super::merging::Merger;
 use super::options::Options;
@@ -9,20 +10,21 @@ use crate::estimators::transport::{SHORT_OF, departure, is_smooth, turn};
 use crate::math::{Ray, Sampler, Vec2};
 use crate::mis::{self, Lit};
 use crate::scene::Scene;
-use crate::scene::emitter::LightEnd;
+use crate::scene::emitter::{EmitterSample, LightEnd};
 use crate::walk::{
     Account, Effort, End, Escape, FromCamera, Onward, Segment, Sink, Start, SurfaceHit, Vertex, edge_passage, walk,
 };
 
 /// The sink that turns a camera's walk into radiance.
 pub(super) struct CameraPath<'a> {
-    scene: &'a Scene,
-    options: &'a Options,
+    pub(super) scene: &'a Scene,
+    pub(super) options: &'a Options,
     effort: &'a Effort,
     light: &'a [LightVertex],
     merger: Merger<'a>,
+    pub(super) pairing: Pairing<'a>,
     radiance: Spectrum,
-    account: Account<'a, FromCamera>,
+    pub(super) account: Account<'a, FromCamera>,
 }
 
 impl<'a> CameraPath<'a> {
@@ -33,12 +35,13 @@ impl<'a> CameraPath<'a> {
         effort: &'a Effort,
         light: &'a [LightVertex],
         merger: Merger<'a>,
+        pairing: Pairing<'a>,
         film: Vec2,
         sampler: &mut Sampler,
     ) -> Spectrum {
         let camera = scene.sensor.sample_ray(film, sampler.vec2());
         let account = Account::of_camera(scene, effort, &camera.ray);
-        let mut path = Self { scene, options, effort, light, merger, radiance: Spectrum::ZERO, account };
+        let mut path = Self { scene, options, effort, light, merger, pairing, radiance: Spectrum::ZERO, account };
         let start =
             Start { ray: camera.ray, length: camera.t_max, medium: scene.camera_medium, throughput: Spectrum::ONE };
         walk::<FromCamera, _>(scene, start, &options.rules, sampler, &mut path);
@@ -67,6 +70,20 @@ impl<'a> CameraPath<'a> {
     fn add_sampled(&mut self, vertex: &Vertex, camera: &End, sampler: &mut Sampler) {
         let lights = &self.scene.lights;
         let Some(light) = lights.sample(vertex.position, sampler.f32(), sampler.vec2()) else { return };
+        let share = self.pairing.share_of_walk(self.scene, &light);
+        self.add_lit(vertex, camera, &light, share, sampler);
+    }
+
+    /// Light from the emitter, of which `share` is added.
+    pub(super) fn add_lit(
+        &mut self,
+        vertex: &Vertex,
+        camera: &End,
+        light: &EmitterSample,
+        share: f32,
+        sampler: &mut Sampler,
+    ) {
+        let lights = &self.scene.lights;
         let turn = turn::<FromCamera>(self.scene, vertex, light.direction);
         if turn.value.is_black() {
             return;
@@ -75,12 +92,12 @@ impl<'a> CameraPath<'a> {
         let ray = Ray { origin, direction: light.direction };
         let length = light.distance * SHORT_OF;
         let Some((transmittance, edge)) = edge_passage(self.scene, ray, length, medium, sampler.rng()) else { return };
-        let end = LightEnd::of_sample(&light, lights);
+        let end = LightEnd::of_sample(light, lights);
         let lit = Lit { density: lights.end_density(&end), sampled: lights.sampled_density(vertex.position, &end) };
         let distance2 = light.distance * light.distance;
         let weight = mis::weigh_sampled(self.effort, &lit, camera, light.direction, &turn, &edge, distance2);
         let arriving = light.radiance * transmittance / light.pdf.0;
-        self.radiance += vertex.throughput * turn.value * arriving * weight;
+        self.radiance += vertex.throughput * turn.value * arriving * (share * weight);
     }
 
     /// Light from the vertices of light's walk.
@@ -97,10 +114,12 @@ impl<'a> CameraPath<'a> {
 impl Sink for CameraPath<'_> {
     fn segment(&mut self, segment: &Segment, sampler: &mut Sampler) {
         self.radiance += self.merger.along(segment, &self.account, sampler);
+        self.add_pair(segment, sampler);
         self.account.pass(segment);
     }
 
     fn surface(&mut self, hit: &SurfaceHit) {
+        self.pairing.leave();
         if self.scene.is_emitter(hit.point.shape) {
             let lights = &self.scene.lights;
             let end = LightEnd::of_hit(hit.point, hit.direction, lights);
@@ -124,6 +143,7 @@ impl Sink for CameraPath<'_> {
 
     fn scattered(&mut self, vertex: &Vertex, onward: &Onward) -> bool {
         self.account.depart(vertex, onward);
+        self.pairing.depart(onward);
         true
     }
 }

@@ -6,6 +6,7 @@
 //! weights of all that are those of [`crate::mis`].
 
 mod camera;
+mod joint;
 mod light;
 mod merging;
 mod options;
@@ -13,12 +14,14 @@ pub mod registry;
 mod stores;
 
 use self::camera::CameraPath;
+use self::joint::Pairing;
 use self::light::{LightPath, LightVertex};
 use self::merging::Merger;
 use self::options::Options;
 use self::stores::Stores;
 use super::volpath::{self, Volpath};
 use super::{Integrator, Job, RareEvents, Sample, sample_pixels};
+use crate::estimators::joint::Joint;
 use crate::film::Splats;
 use crate::film::pixels::PixelSum;
 use crate::math::Sampler;
@@ -69,11 +72,13 @@ impl Integrator for LightTracing {
 pub(super) struct Bidirectional {
     options: Options,
     stores: Stores,
+    /// By medium; none where two points are not sampled jointly.
+    joints: Vec<Joint>,
 }
 
 impl Bidirectional {
     fn new(options: Options) -> Self {
-        Self { options, stores: Stores::new() }
+        Self { options, stores: Stores::new(), joints: Vec::new() }
     }
 }
 
@@ -85,6 +90,9 @@ impl Integrator for Bidirectional {
 
     fn prepare(&mut self, scene: &Scene, seed: u64, pass: u32) -> Result<u32, TraceError> {
         self.stores.prepare(scene, &self.options, seed, pass)?;
+        if self.options.joint && self.joints.is_empty() {
+            self.joints = Joint::of_media(scene);
+        }
         Ok(1)
     }
 
@@ -93,7 +101,7 @@ impl Integrator for Bidirectional {
     }
 
     fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum], splats: &mut Splats) -> RareEvents {
-        let Self { options, stores } = self;
+        let Self { options, stores, joints } = self;
         let effort = &stores.effort;
         let mut vertices: Vec<LightVertex> = Vec::new();
         let mut profile = Profile::default();
@@ -105,7 +113,8 @@ impl Integrator for Bidirectional {
             }
             let (max_depth, kernel) = (options.rules.max_depth, options.kernel);
             let merger = Merger { scene, stores, kernel, max_depth, profile: &mut profile };
-            CameraPath::radiance(scene, options, effort, &vertices, merger, sample.film, sampler)
+            let pairing = Pairing::new(joints);
+            CameraPath::radiance(scene, options, effort, &vertices, merger, pairing, sample.film, sampler)
         })
     }
 }
