@@ -6,7 +6,7 @@
 
 use super::joint::Joint;
 use crate::Spectrum;
-use crate::math::{PerLength, PerSolidAngle, Ray, Rng, Vec3};
+use crate::math::{PerLength, PerSolidAngle, Ray, Sampler, Vec3};
 use crate::scene::Scene;
 use crate::scene::desc::MediumId;
 use crate::scene::emitter::{EmitterId, EmitterSample, LightPoint};
@@ -25,6 +25,21 @@ pub struct Stretch<'a> {
     pub length: f32,
     /// Probability that light is scattered on it, times the share of emitters at finite distances.
     pub lit: f32,
+    /// Distance at which the medium has become opaque, metres.
+    pub opaque: f32,
+}
+
+/// Optical depth between the start of a segment and an emitter's point up to which every point gets joint samples.
+const NEAR: f32 = 3.0;
+/// Optical depth beyond which none does.
+const FAR: f32 = 9.0;
+
+/// Share of the joint samples for light of `target` that are taken on a segment from `origin`: all nearby, and fewer where light
+/// of two scatterings is dim whichever way it takes.
+#[inline]
+fn nearness(origin: Vec3, target: Vec3, opaque: f32) -> f32 {
+    let depth = origin.distance(target) * (Uniform::OPAQUE / opaque);
+    if depth < FAR { (NEAR - depth).min(0.0).exp() } else { 0.0 }
 }
 
 impl<'a> Stretch<'a> {
@@ -38,10 +53,11 @@ impl<'a> Stretch<'a> {
         }
         let uniform = Uniform::along(model, medium.phase(), ray);
         // A segment that leaves the scene is cut where the medium has become opaque.
-        let length = length.min(uniform.opaque_distance());
+        let opaque = uniform.opaque_distance();
+        let length = length.min(opaque);
         let scattered = 1.0 - uniform.transmittance(length).mean();
         let lit = scattered * scene.lights.finite_share();
-        (lit > 0.0).then_some(Self { model, uniform, length, lit })
+        (lit > 0.0).then_some(Self { model, uniform, length, lit, opaque })
     }
 }
 
@@ -60,8 +76,10 @@ pub struct Bend {
     pub flown: PerLength,
     /// Density of the direction in which the walk went on.
     pub phase: PerSolidAngle,
-    /// Probability of joint sampling on the segment.
-    pub share: f32,
+    /// [`Stretch::lit`] of the segment.
+    pub lit: f32,
+    /// [`Stretch::opaque`] of the segment, metres.
+    pub opaque: f32,
 }
 
 impl Bend {
@@ -80,10 +98,14 @@ impl Bend {
         target: Vec3,
         normal: Vec3,
     ) -> f32 {
+        let share = self.lit * nearness(self.ray.origin, target, self.opaque);
+        if share == 0.0 {
+            return 0.0;
+        }
         let light = scene.lights.segment_pdf(&self.ray, self.length, ray.at(t), emitter, target, normal);
         let approach = joint.approach(&self.ray, self.length, target).density(self.distance);
         let onward = joint.onward(ray, length, target);
-        let chosen = self.share * light.0 * approach.0 * onward.direction(self.phase).0 * onward.density(t).0;
+        let chosen = share * light.0 * approach.0 * onward.direction(self.phase).0 * onward.density(t).0;
         chosen / (self.flown.0 * self.phase.0)
     }
 }
@@ -116,27 +138,30 @@ pub struct Pair<'a> {
 }
 
 impl<'a> Pair<'a> {
-    /// Two points for `segment`, whose stretch is given, with the probability `share`; `None` otherwise, and where nothing
-    /// is scattered.
+    /// Two points for `segment`, whose stretch is given, as often as light is scattered on it; `None` otherwise, and where
+    /// nothing arrives.
     #[inline]
     pub fn sample(
         scene: &'a Scene,
         joint: &Joint,
         segment: &Segment,
         stretch: &Stretch,
-        share: f32,
-        rng: &mut Rng,
+        sampler: &mut Sampler,
     ) -> Option<Self> {
-        let choice = rng.f32();
-        if choice >= share {
+        let choice = sampler.f32();
+        if choice >= stretch.lit {
             return None;
         }
         let (ray, phase) = (segment.ray, scene.medium(segment.medium).phase());
-        let point = scene.lights.sample_for_segment(ray, stretch.length, choice / share, rng.vec2())?;
+        let point = scene.lights.sample_for_segment(ray, stretch.length, choice / stretch.lit, sampler.vec2())?;
+        let nearness = nearness(ray.origin, point.position, stretch.opaque);
+        if sampler.f32() >= nearness {
+            return None;
+        }
         let approach = joint.approach(ray, stretch.length, point.position);
-        let distance = approach.sample(rng.f32());
+        let distance = approach.sample(sampler.f32());
         let b = ray.at(distance);
-        let direction = joint.sample_direction(phase, b, ray.direction, point.position, rng.f32(), rng.vec2());
+        let direction = joint.sample_direction(phase, b, ray.direction, point.position, sampler.f32(), sampler.vec2());
         let onward = Ray { origin: b, direction };
         let hit = scene.geometry.intersect(&onward, f32::INFINITY);
         if hit.is_none() && scene.is_bounded(segment.medium) {
@@ -145,7 +170,7 @@ impl<'a> Pair<'a> {
         let reach = hit.map_or(f32::INFINITY, |hit| hit.t);
         let beyond = Stretch::along(scene, segment.medium, &onward, reach)?;
         let sampling = joint.onward(&onward, beyond.length, point.position);
-        let along = sampling.sample(rng.f32());
+        let along = sampling.sample(sampler.f32());
         let c = onward.at(along);
         let light = scene.lights.incident(c, &point)?;
 
@@ -156,8 +181,11 @@ impl<'a> Pair<'a> {
         let at_c = at_b * transmittance * beyond.uniform.sigma_t * beyond.model.albedo(c);
         let turn_b = PerSolidAngle(phase.eval(b, ray.direction, direction));
         let turn_c = PerSolidAngle(phase.eval(c, direction, light.direction));
-        let density =
-            share * approach.density(distance).0 * sampling.direction(turn_b).0 * sampling.density(along).0;
+        let density = stretch.lit
+            * nearness
+            * approach.density(distance).0
+            * sampling.direction(turn_b).0
+            * sampling.density(along).0;
         let throughput = at_c * (turn_b.0 / density);
         let (flown, phase) = ([flown_b, flown_c], [turn_b, turn_c]);
         let pair = Self { distance, onward, beyond, along, point, light, flown, phase, density, throughput };

@@ -11,6 +11,7 @@
 //!
 //! Light that is scattered twice on its way to the ray can be found by one more, [`joint`].
 
+pub mod common;
 pub mod joint;
 
 use super::components::{Components, History};
@@ -32,42 +33,9 @@ use crate::walk::{
     Escape, FromCamera, Media, Onward, Rules, Scattering, Segment, Sink, Start, SurfaceHit, Vertex, walk,
 };
 
-/// Parameters that path tracers share.
-pub mod common {
-    use super::super::{ParameterInfo, ParameterKind};
-
-    /// Longest paths.
-    pub const MAX_DEPTH: ParameterInfo = ParameterInfo {
-        name: "max_depth",
-        kind: ParameterKind::Integer,
-        default: "-1",
-        unit: "",
-        description: "Longest paths: 1 is emission seen directly, each real scattering adds one; -1 is no limit.",
-    };
-    /// Start of Russian roulette.
-    pub const RR_DEPTH: ParameterInfo = ParameterInfo {
-        name: "rr_depth",
-        kind: ParameterKind::Integer,
-        default: "5",
-        unit: "",
-        description: "Russian roulette starts beyond this depth.",
-    };
-    /// Invisible emitters.
-    pub const HIDE_EMITTERS: ParameterInfo = ParameterInfo {
-        name: "hide_emitters",
-        kind: ParameterKind::Boolean,
-        default: "false",
-        unit: "",
-        description: "Emitters seen directly are black.",
-    };
-}
-
 /// Probability of equiangular sampling on a flight that is sure to end in the medium, if all emitters are at finite
 /// distances.
 const EQUIANGULAR_SHARE: f32 = 0.5;
-
-/// Probability of joint sampling on such a flight. It comes on top of the other techniques.
-const JOINT_SHARE: f32 = 0.5;
 
 /// Largest probability of surviving Russian roulette, as in Mitsuba.
 pub(super) const RR_CAP: f32 = 0.95;
@@ -254,16 +222,17 @@ struct SampledFlight {
     density: PerLength,
     /// Probability of equiangular sampling.
     share: f32,
-    /// Probability of joint sampling of this collision and the next.
-    joint: f32,
+    /// As in [`Stretch`].
+    lit: f32,
+    opaque: f32,
 }
 
 impl SampledFlight {
     /// The end of the flight where the walk went on with that density.
     #[inline(always)]
-    fn bend(&self, phase: PerSolidAngle) -> Option<Bend> {
-        let &Self { ray, length, medium, distance, density: flown, joint: share, .. } = self;
-        (share > 0.0).then_some(Bend { ray, length, medium, distance, flown, phase, share })
+    fn bend(&self, phase: PerSolidAngle) -> Bend {
+        let &Self { ray, length, medium, distance, density: flown, lit, opaque, .. } = self;
+        Bend { ray, length, medium, distance, flown, phase, lit, opaque }
     }
 }
 
@@ -379,16 +348,15 @@ impl Sink for Tracer<'_> {
         }
         let ray = segment.ray;
         let Some(stretch) = Stretch::along(self.scene, segment.medium, ray, segment.length) else { return };
-        let Stretch { model, uniform, length, lit } = stretch;
+        let Stretch { model, uniform, length, lit, opaque } = stretch;
         let share = EQUIANGULAR_SHARE * lit;
-        let joint = if self.joints.is_empty() { 0.0 } else { JOINT_SHARE * lit };
         if let Some(density) = segment.flight.density {
             let distance = segment.flight.distance;
             let medium = segment.medium;
-            self.flight = Some(SampledFlight { ray: *ray, length, medium, distance, density, share, joint });
+            self.flight = Some(SampledFlight { ray: *ray, length, medium, distance, density, share, lit, opaque });
         }
-        if joint > 0.0 {
-            self.connect_jointly(segment, &stretch, joint, sampler);
+        if !self.joints.is_empty() {
+            self.connect_jointly(segment, &stretch, sampler);
         }
         if segment.scatterings + 2 > self.options.rules.max_depth
             || !self.options.components.has(self.history.lit_straight(true))
@@ -516,7 +484,9 @@ impl Sink for Tracer<'_> {
             sampled,
             bend: self.bend.take(),
         };
-        self.bend = sampled.zip(pdf).and_then(|(flight, phase)| flight.bend(phase));
+        if !self.joints.is_empty() {
+            self.bend = sampled.zip(pdf).map(|(flight, phase)| flight.bend(phase));
+        }
         self.history.scatter(medium, pdf.is_none());
         self.share > 0.0 && self.options.components.has(self.history.reachable())
     }

@@ -163,8 +163,13 @@ fn scattered_twice(phase: &Phase, joint: &Joint, [a, h]: [f32; 2], rng: &mut Rng
 fn double_scattering() {
     let isotropic = |a: f32, h: f32| (0.0, [a, h], ray_radiance(2, a.into(), h.into()));
     let forward = |g: f32, radiance: f64| (g, [2.0, 0.5], radiance);
-    let cases =
-        [isotropic(2.0, 0.5), isotropic(2.0, 0.1), forward(0.5, 3.7948e-3), forward(0.8, 5.606e-3), forward(-0.5, 2.4443e-3)];
+    let cases = [
+        isotropic(2.0, 0.5),
+        isotropic(2.0, 0.1),
+        forward(0.5, 3.7948e-3),
+        forward(0.8, 5.606e-3),
+        forward(-0.5, 2.4443e-3),
+    ];
     for (stream, (g, place, truth)) in (1..).zip(cases) {
         let phase = phase(g);
         let joint = Joint::new(&phase);
@@ -172,7 +177,11 @@ fn double_scattering() {
         let mut radiance = Moments::default();
         (0..1_000_000).for_each(|_| radiance.push(scattered_twice(&phase, &joint, place, &mut rng)));
         let spread = radiance.variance().sqrt() / radiance.mean();
-        println!("g {g} {place:?}: {} +- {}, expected {truth}, spread {spread}", radiance.mean(), radiance.standard_error());
+        println!(
+            "g {g} {place:?}: {} +- {}, expected {truth}, spread {spread}",
+            radiance.mean(),
+            radiance.standard_error()
+        );
         assert!(radiance.standard_error() < 0.005 * truth);
         radiance.assert(truth, SIGNIFICANCE, cases.len());
     }

@@ -13,9 +13,6 @@ use crate::scene::Scene;
 use crate::scene::emitter::EmitterSample;
 use crate::walk::{Onward, Scattering, Segment, Vertex};
 
-/// Probability of joint sampling on a flight that is sure to end in the medium, if all emitters are at finite distances.
-const SHARE: f32 = 0.5;
-
 /// What the camera's walk remembers.
 pub(super) struct Pairing<'a> {
     /// By medium; none where two points are not sampled jointly.
@@ -50,8 +47,7 @@ impl<'a> Pairing<'a> {
         }
         let joint = &self.joints[bend.medium.0];
         let (emitter, target, normal) = (light.emitter, light.position, light.normal);
-        let jointly =
-            bend.jointly(scene, joint, &flight.ray, flight.length, flight.distance, emitter, target, normal);
+        let jointly = bend.jointly(scene, joint, &flight.ray, flight.length, flight.distance, emitter, target, normal);
         let walked = flight.flown.0 * light.pdf.0;
         walked / (walked + jointly)
     }
@@ -66,17 +62,17 @@ impl CameraPath<'_> {
         }
         let (scene, ray) = (self.scene, segment.ray);
         let Some(stretch) = Stretch::along(scene, segment.medium, ray, segment.length) else { return };
-        let (length, medium, share) = (stretch.length, segment.medium, SHARE * stretch.lit);
+        let (medium, Stretch { length, lit, opaque, .. }) = (segment.medium, stretch);
         let distance = segment.flight.distance;
         self.pairing.flight = segment.flight.density.map(|flown| {
             let phase = PerSolidAngle(0.0);
-            Bend { ray: *ray, length, medium, distance, flown, phase, share }
+            Bend { ray: *ray, length, medium, distance, flown, phase, lit, opaque }
         });
         if segment.scatterings + 3 > self.options.rules.max_depth {
             return;
         }
         let joint = &self.pairing.joints[medium.0];
-        let Some(pair) = Pair::sample(scene, joint, segment, &stretch, share, sampler.rng()) else { return };
+        let Some(pair) = Pair::sample(scene, joint, segment, &stretch, sampler) else { return };
 
         // The walk as if it had come to both points.
         let scattering = Scattering::Medium { medium };

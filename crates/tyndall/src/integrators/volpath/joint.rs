@@ -33,13 +33,7 @@ pub const INFO: IntegratorInfo = IntegratorInfo {
     aliases: &[],
     summary: "Volumetric path tracing with joint importance sampling of double scattering.",
     source: "Georgiev, Krivanek, Hachisuka, Nowrouzezahrai and Jarosz 2013",
-    parameters: &[
-        common::MAX_DEPTH,
-        common::RR_DEPTH,
-        common::HIDE_EMITTERS,
-        Components::PARAMETER,
-        EQUIANGULAR_LEGS,
-    ],
+    parameters: &[common::MAX_DEPTH, common::RR_DEPTH, common::HIDE_EMITTERS, Components::PARAMETER, EQUIANGULAR_LEGS],
     make: |parameters| Ok(Box::new(Volpath::new(Options { joint: true, ..Options::read(parameters, true)? }))),
 };
 
@@ -59,9 +53,9 @@ impl Tracer<'_> {
         bend.jointly(self.scene, &self.joints[bend.medium.0], ray, length, t, emitter, target, normal)
     }
 
-    /// Adds, with the probability `share`, light that is scattered twice: last on `segment`, and before around it.
+    /// Adds light that is scattered twice: last on `segment`, and before around it.
     #[inline]
-    pub(super) fn connect_jointly(&mut self, segment: &Segment, stretch: &Stretch, share: f32, sampler: &mut Sampler) {
+    pub(super) fn connect_jointly(&mut self, segment: &Segment, stretch: &Stretch, sampler: &mut Sampler) {
         let mut history = self.history;
         history.scatter(true, false);
         if segment.scatterings + 3 > self.options.rules.max_depth
@@ -71,7 +65,7 @@ impl Tracer<'_> {
             return;
         }
         let (scene, joint) = (self.scene, &self.joints[segment.medium.0]);
-        let Some(pair) = Pair::sample(scene, joint, segment, stretch, share, sampler.rng()) else { return };
+        let Some(pair) = Pair::sample(scene, joint, segment, stretch, sampler) else { return };
         let (c, light, length) = (pair.c(), &pair.light, pair.beyond.length);
         let Some((arriving, survival)) = self.connect(c, light, Some(segment.medium), sampler) else { return };
 
