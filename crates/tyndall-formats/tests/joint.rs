@@ -53,12 +53,12 @@ fn double_scattering() {
     let cases = [cases, vec![forward(0.5, 3.7948e-3), forward(0.8, 5.606e-3), forward(-0.5, 2.4443e-3)]].concat();
     for (case, truth, uncertain) in &cases {
         let set = [("max_depth", "3".to_string()), ("components", "multiple".into())];
-        let (mean, error) = mean(&scene(case, false), integrator("jis", &set), 1 << 18, *truth, 0.0007);
+        let (mean, error) = mean(&scene(case, false), integrator("jis", &set), 1 << 18, *truth, 0.0014);
         for c in 0..3 {
             let (off, noise) = (100.0 * (mean[c] / truth[c] - 1.0), 100.0 * error[c] / truth[c]);
             let line = format!("{}, channel {c}: {off:+.2} +- {noise:.2} %", case.name);
             println!("{line}");
-            assert!(error[c] <= 0.0015 * truth[c], "{line}: no test");
+            assert!(error[c] <= 0.003 * truth[c], "{line}: no test");
             assert!(agrees(mean[c], error[c].hypot(*uncertain), truth[c], sidak(0.01, 3 * cases.len())), "{line}");
         }
     }
