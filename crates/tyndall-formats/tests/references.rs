@@ -1,4 +1,4 @@
-//! `volpath` and `bdpt` against Mitsuba 3: whole pictures of the scenes in `references/`, compared within the noise of both.
+//! `volpath`, `jis` and `bdpt` against Mitsuba 3: whole pictures of the scenes in `references/`, compared within the noise of both.
 
 use std::path::{Path, PathBuf};
 use tyndall::scene::desc::IntegratorDesc;
@@ -71,6 +71,11 @@ fn differing(integrator: Option<&str>, passes: impl Fn(&str) -> u32) -> Vec<Stri
 #[test]
 fn every_scene_is_the_same_picture() {
     assert_eq!(differing(None, |_| 256), [""; 0], "differing by more than their noise");
+}
+
+#[test]
+fn every_scene_is_the_same_picture_by_joint_importance_sampling() {
+    assert_eq!(differing(Some("jis"), |_| 256), [""; 0], "differing by more than their noise");
 }
 
 #[test]

@@ -1,9 +1,9 @@
-//! Integrators that keep light paths.
+//! Integrators that keep light paths, or tables.
 
 use crate::Folder;
 
 /// Every one and every estimator, at a size that takes no time.
-const CHOICES: [&str; 28] = [
+const CHOICES: [&str; 30] = [
     "-i photonmap --set steps=3",
     "-i photonmap --set steps=3 --set final_gather=true --set reuse=2",
     "-i vpm --set steps=3 --set neighbours=5",
@@ -26,6 +26,8 @@ const CHOICES: [&str; 28] = [
     "-i ppb",
     "-i ptracer",
     "-i bdpt",
+    "-i bdpt --set joint=true",
+    "-i jis",
     "-i vcm --set surface_radius=0.05",
     "-i upbp --set techniques=pp3d,bp2d,bb1d,surf,bpt",
     "-i vpl --set clamp=10 --set lights=4",
@@ -39,7 +41,8 @@ const COMPOSITE: &str = "-i composite --set volpath=emitted+direct --set photonm
 
 /// More light paths than a chunk of them holds, so that several threads trace.
 fn photons(choice: &str) -> &'static str {
-    if [COMPOSITE, "-i ptracer", "-i bdpt"].contains(&choice) { "" } else { "--set photons=5000" }
+    let none = [COMPOSITE, "-i ptracer", "-i bdpt", "-i bdpt --set joint=true", "-i jis"];
+    if none.contains(&choice) { "" } else { "--set photons=5000" }
 }
 
 #[test]

@@ -40,8 +40,14 @@ impl Equiangular {
     /// The distance for `u` in [0, 1).
     #[inline]
     pub fn sample(&self, u: f32) -> f32 {
-        // delta + height tan(start + u span) with tan(start) = -delta / height, by the addition theorem.
-        let (sin, cos) = (u * self.span).sin_cos();
+        self.at(u * self.span)
+    }
+
+    /// The distance up to which the segment spans `angle`, seen from the point.
+    #[inline]
+    pub(super) fn at(&self, angle: f32) -> f32 {
+        // delta + height tan(start + angle) with tan(start) = -delta / height, by the addition theorem.
+        let (sin, cos) = angle.sin_cos();
         let square = self.delta * self.delta + self.height * self.height;
         (square * sin / (self.height * cos + self.delta * sin)).max(0.0)
     }
@@ -49,9 +55,32 @@ impl Equiangular {
     /// The `u` for which [`Equiangular::sample`] gives the distance `t`.
     #[inline]
     pub fn position(&self, t: f32) -> f32 {
-        // The angle between the directions to the start and to `t`.
+        self.angle(t) / self.span
+    }
+
+    /// The angle that the first `t` metres span, seen from the point.
+    #[inline]
+    pub(super) fn angle(&self, t: f32) -> f32 {
         let (sin, cos) = (self.height * t, self.height * self.height - self.delta * (t - self.delta));
-        sin.atan2(cos) / self.span
+        sin.atan2(cos).clamp(0.0, self.span)
+    }
+
+    /// The angle that the whole segment spans, seen from the point.
+    #[inline]
+    pub(super) fn span(&self) -> f32 {
+        self.span
+    }
+
+    /// The angles at the ray's origin from the ray to the direction towards the point, and on to that away from it.
+    #[inline]
+    pub(super) fn angles_at_origin(&self) -> (f32, f32) {
+        (self.height.atan2(self.delta), self.height.atan2(-self.delta))
+    }
+
+    /// Sine of the angle at the ray's origin between the ray and the direction towards the point.
+    #[inline]
+    pub(super) fn sin_at_origin(&self) -> f32 {
+        self.height / self.height.hypot(self.delta)
     }
 
     /// Density of the distance `t`.

@@ -8,7 +8,9 @@
 pub mod connect;
 pub mod equiangular;
 pub mod gather;
+pub mod joint;
 pub mod merge;
+pub mod pair;
 pub mod query;
 pub mod ray_pair;
 pub mod transport;

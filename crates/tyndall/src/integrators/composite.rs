@@ -26,6 +26,7 @@ const fn part(name: &'static str) -> ParameterInfo {
 /// Integrators that can be asked for components, and what all of them are given.
 const PARAMETERS: &[ParameterInfo] = &[
     part("volpath"),
+    part("jis"),
     part("photonmap"),
     part("vpm"),
     part("bre"),

@@ -128,6 +128,7 @@ impl IntegratorInfo {
 /// Every integrator.
 pub static REGISTRY: &[IntegratorInfo] = &[
     volpath::INFO,
+    volpath::joint::INFO,
     path::PATH,
     path::DIRECT,
     registry::PHOTONMAP,

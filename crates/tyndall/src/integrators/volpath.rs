@@ -8,54 +8,30 @@
 //! - free flight, then an emitter: `(1 - q) p_flight(t) p_light(w)`;
 //! - free flight, then the phase function hits the emitter: `p_flight(t) p_phase(w) P`, `P` the probability of arriving;
 //! - a point on an emitter, then the distance by equiangular sampling: `q p_equiangular(t | y) p_segment(y)`.
+//!
+//! Light that is scattered twice on its way to the ray can be found by one more, [`joint`].
+
+pub mod common;
+pub mod joint;
 
 use super::components::{Components, History};
 use super::parameters::{ParameterError, Parameters};
 use super::{Integrator, IntegratorInfo, Job, ParameterInfo, RareEvents, path, sample_pixels};
 use crate::Spectrum;
 use crate::estimators::equiangular::Equiangular;
+use crate::estimators::joint::Joint;
+use crate::estimators::pair::{Bend, Stretch};
 use crate::estimators::transport::{Response, connect, departure, respond, samples_emitters};
 use crate::film::Splats;
 use crate::film::pixels::PixelSum;
 use crate::math::{PerLength, PerSolidAngle, Ray, Sampler, Vec2, Vec3};
+use crate::photons::TraceError;
 use crate::scene::Scene;
 use crate::scene::desc::MediumId;
 use crate::scene::emitter::{EmitterId, EmitterSample};
-use crate::scene::medium::Extinction;
-use crate::walk::flight::Uniform;
 use crate::walk::{
     Escape, FromCamera, Media, Onward, Rules, Scattering, Segment, Sink, Start, SurfaceHit, Vertex, walk,
 };
-
-/// Parameters that path tracers share.
-pub mod common {
-    use super::super::{ParameterInfo, ParameterKind};
-
-    /// Longest paths.
-    pub const MAX_DEPTH: ParameterInfo = ParameterInfo {
-        name: "max_depth",
-        kind: ParameterKind::Integer,
-        default: "-1",
-        unit: "",
-        description: "Longest paths: 1 is emission seen directly, each real scattering adds one; -1 is no limit.",
-    };
-    /// Start of Russian roulette.
-    pub const RR_DEPTH: ParameterInfo = ParameterInfo {
-        name: "rr_depth",
-        kind: ParameterKind::Integer,
-        default: "5",
-        unit: "",
-        description: "Russian roulette starts beyond this depth.",
-    };
-    /// Invisible emitters.
-    pub const HIDE_EMITTERS: ParameterInfo = ParameterInfo {
-        name: "hide_emitters",
-        kind: ParameterKind::Boolean,
-        default: "false",
-        unit: "",
-        description: "Emitters seen directly are black.",
-    };
-}
 
 /// Probability of equiangular sampling on a flight that is sure to end in the medium, if all emitters are at finite
 /// distances.
@@ -63,6 +39,14 @@ const EQUIANGULAR_SHARE: f32 = 0.5;
 
 /// Largest probability of surviving Russian roulette, as in Mitsuba.
 pub(super) const RR_CAP: f32 = 0.95;
+
+const EQUIANGULAR_LEGS: ParameterInfo = ParameterInfo {
+    name: "equiangular_legs",
+    kind: super::ParameterKind::Integer,
+    default: "-1",
+    unit: "",
+    description: "Number of first legs of a path on which equiangular sampling is used; -1 is all, 0 is none.",
+};
 
 /// The registry's entry.
 pub const INFO: IntegratorInfo = IntegratorInfo {
@@ -75,13 +59,8 @@ pub const INFO: IntegratorInfo = IntegratorInfo {
         common::RR_DEPTH,
         common::HIDE_EMITTERS,
         Components::PARAMETER,
-        ParameterInfo {
-            name: "equiangular_legs",
-            kind: super::ParameterKind::Integer,
-            default: "-1",
-            unit: "",
-            description: "Number of first legs of a path on which equiangular sampling is used; -1 is all, 0 is none.",
-        },
+        EQUIANGULAR_LEGS,
+        joint::JOINT,
         ParameterInfo {
             name: "use_spectral_mis",
             kind: super::ParameterKind::Boolean,
@@ -99,6 +78,8 @@ pub struct Options {
     rules: Rules,
     hide_emitters: bool,
     equiangular_legs: u32,
+    /// Whether two points are sampled jointly as well.
+    joint: bool,
     components: Components,
     /// A bound on 1/d^2 over the edge of length d between the first two vertices: light over it counts with the part that
     /// the bound cuts off. 0: with all.
@@ -126,6 +107,7 @@ impl Options {
             rules: Rules { max_depth: depth(parameters, "max_depth")?, rr_depth, rr_cap: RR_CAP, media: media_rule },
             hide_emitters: parameters.boolean("hide_emitters"),
             equiangular_legs: if media { depth(parameters, "equiangular_legs")? } else { 0 },
+            joint: parameters.declares("joint") && parameters.boolean("joint"),
             components: if media { Components::read(parameters)? } else { Components::ALL },
             bound: 0.0,
         })
@@ -137,6 +119,7 @@ impl Options {
             rules: Rules { max_depth: 1, rr_depth: 5, rr_cap: RR_CAP, media: Media::Scatter },
             hide_emitters,
             equiangular_legs: 0,
+            joint: false,
             components: Components::ALL,
             bound: 0.0,
         }
@@ -151,6 +134,7 @@ impl Options {
             rules: Rules { max_depth, rr_depth, rr_cap: RR_CAP, media: Media::Scatter },
             hide_emitters: parameters.boolean("hide_emitters"),
             equiangular_legs: u32::MAX,
+            joint: false,
             components,
             bound,
         })
@@ -162,6 +146,7 @@ impl Options {
             rules: Rules { max_depth: 2, rr_depth: 5, rr_cap: RR_CAP, media: Media::Absent },
             hide_emitters: parameters.boolean("hide_emitters"),
             equiangular_legs: 0,
+            joint: false,
             components: Components::ALL,
             bound: 0.0,
         }
@@ -171,12 +156,14 @@ impl Options {
 /// The integrator.
 pub struct Volpath {
     options: Options,
+    /// By medium; none where two points are not sampled jointly.
+    joints: Vec<Joint>,
 }
 
 impl Volpath {
     /// A path tracer with these choices.
     pub(super) fn new(options: Options) -> Self {
-        Self { options }
+        Self { options, joints: Vec::new() }
     }
 }
 
@@ -187,6 +174,13 @@ impl Integrator for Volpath {
         } else {
             scene.hidden_caustics().into_iter().collect()
         }
+    }
+
+    fn prepare(&mut self, scene: &Scene, _: u64, _: u32) -> Result<u32, TraceError> {
+        if self.options.joint && self.joints.is_empty() {
+            self.joints = Joint::of_media(scene);
+        }
+        Ok(u32::MAX)
     }
 
     fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum], _: &mut Splats) -> RareEvents {
@@ -202,9 +196,11 @@ impl Volpath {
         let mut tracer = Tracer {
             scene,
             options: &self.options,
+            joints: &self.joints,
             radiance: Spectrum::ZERO,
-            last: Last { position: camera.ray.origin, pdf: None, survival: 1.0, sampled: None },
+            last: Last { position: camera.ray.origin, pdf: None, survival: 1.0, sampled: None, bend: None },
             flight: None,
+            bend: None,
             equiangular: false,
             history: History::START,
             share: 1.0,
@@ -216,15 +212,28 @@ impl Volpath {
     }
 }
 
-/// The segment on which the latest collision was sampled, for the density of equiangular sampling.
+/// The segment on which the latest collision was sampled, for the densities of techniques that begin with the emitter.
 #[derive(Clone, Copy)]
 struct SampledFlight {
     ray: Ray,
     length: f32,
+    medium: MediumId,
     distance: f32,
     density: PerLength,
     /// Probability of equiangular sampling.
     share: f32,
+    /// As in [`Stretch`].
+    lit: f32,
+    opaque: f32,
+}
+
+impl SampledFlight {
+    /// The end of the flight where the walk went on with that density.
+    #[inline(always)]
+    fn bend(&self, phase: PerSolidAngle) -> Bend {
+        let &Self { ray, length, medium, distance, density: flown, lit, opaque, .. } = self;
+        Bend { ray, length, medium, distance, flown, phase, lit, opaque }
+    }
 }
 
 /// What the weights of multiple importance sampling need to know of the last vertex.
@@ -237,14 +246,20 @@ struct Last {
     survival: f32,
     /// The flight that led to it, if the last vertex is one that equiangular sampling could have chosen.
     sampled: Option<SampledFlight>,
+    /// The bend from which that flight came, if joint sampling could have chosen both.
+    bend: Option<Bend>,
 }
 
 /// The sink that turns a walk into radiance.
 struct Tracer<'a> {
     scene: &'a Scene,
     options: &'a Options,
+    /// By medium; none where two points are not sampled jointly.
+    joints: &'a [Joint],
     radiance: Spectrum,
     last: Last,
+    /// The bend from which the current segment leaves, if joint sampling could have chosen it and what follows.
+    bend: Option<Bend>,
     /// The flight that led to the current vertex, if equiangular sampling could have been used on it, and whether it was.
     flight: Option<SampledFlight>,
     equiangular: bool,
@@ -271,24 +286,38 @@ impl Tracer<'_> {
             && !(self.options.hide_emitters && scatterings == 0)
     }
 
-    /// Density with which equiangular sampling finds both the flight's end and the emitter's point `target` seen from
-    /// there, relative to the density of the flight.
+    /// Density with which techniques that begin with the emitter find the flight's end and the emitter's point `target`
+    /// seen from there, relative to the density of the flight: equiangular sampling, and joint sampling of `bend` and the
+    /// flight's end.
     #[inline(always)]
-    fn equiangular_ratio(&self, flight: &SampledFlight, emitter: EmitterId, target: Vec3, normal: Vec3) -> f32 {
-        let SampledFlight { ray, length, distance, density, share } = flight;
+    fn emitter_first_ratio(
+        &self,
+        flight: &SampledFlight,
+        bend: &Option<Bend>,
+        emitter: EmitterId,
+        target: Vec3,
+        normal: Vec3,
+    ) -> f32 {
+        let SampledFlight { ray, length, distance, density, share, .. } = flight;
         let light = self.scene.lights.segment_pdf(ray, *length, ray.at(*distance), emitter, target, normal);
-        share * light.0 * Equiangular::new(ray, *length, target).density(*distance).0 / density.0
+        let equiangular = share * light.0 * Equiangular::new(ray, *length, target).density(*distance).0 / density.0;
+        match bend {
+            None => equiangular,
+            Some(bend) => {
+                equiangular + self.jointly(bend, ray, *length, *distance, emitter, target, normal) / density.0
+            }
+        }
     }
 
     /// Weight of light that the walk found by itself, against the densities of the other techniques.
     #[inline(always)]
-    fn hit_weight(&self, light: PerSolidAngle, equiangular: f32) -> f32 {
+    fn hit_weight(&self, light: PerSolidAngle, emitter_first: f32) -> f32 {
         match self.last.pdf {
             None => 1.0,
             Some(pdf) => {
                 let walked = pdf.0 * self.last.survival;
                 let direct = self.last.sampled.map_or(1.0, |flight| 1.0 - flight.share);
-                walked / (walked + direct * light.0 + equiangular)
+                walked / (walked + direct * light.0 + emitter_first)
             }
         }
     }
@@ -314,25 +343,20 @@ impl Sink for Tracer<'_> {
         self.last.survival *= segment.flight.survival;
         self.flight = None;
         self.equiangular = false;
-        let medium = self.scene.medium(segment.medium);
-        let Extinction::Homogeneous(model) = medium.kind() else { return };
-        if segment.leg >= self.options.equiangular_legs || !medium.sample_emitters() || !self.scene.lights.any_finite()
-        {
+        if segment.leg >= self.options.equiangular_legs {
             return;
         }
         let ray = segment.ray;
-        let uniform = Uniform::along(model, medium.phase(), ray);
-        // A segment that leaves the scene is cut where the medium has become opaque.
-        let length = segment.length.min(uniform.opaque_distance());
-        // As often as light is scattered here: elsewhere the shadow ray would be wasted.
-        let scattered = 1.0 - uniform.transmittance(length).mean();
-        let share = EQUIANGULAR_SHARE * scattered * self.scene.lights.finite_share();
-        if !(share > 0.0) {
-            return;
-        }
+        let Some(stretch) = Stretch::along(self.scene, segment.medium, ray, segment.length) else { return };
+        let Stretch { model, uniform, length, lit, opaque } = stretch;
+        let share = EQUIANGULAR_SHARE * lit;
         if let Some(density) = segment.flight.density {
             let distance = segment.flight.distance;
-            self.flight = Some(SampledFlight { ray: *ray, length, distance, density, share });
+            let medium = segment.medium;
+            self.flight = Some(SampledFlight { ray: *ray, length, medium, distance, density, share, lit, opaque });
+        }
+        if !self.joints.is_empty() {
+            self.connect_jointly(segment, &stretch, sampler);
         }
         if segment.scatterings + 2 > self.options.rules.max_depth
             || !self.options.components.has(self.history.lit_straight(true))
@@ -351,6 +375,7 @@ impl Sink for Tracer<'_> {
         let position = ray.at(t);
         let Some(light) = self.scene.lights.incident(position, &point) else { return };
         let (flown, transmittance) = uniform.collision(segment.throughput, t);
+        let medium = self.scene.medium(segment.medium);
         let phase = PerSolidAngle(medium.phase().eval(position, ray.direction, light.direction));
         let scattered = segment.throughput * transmittance * uniform.sigma_t * model.albedo(position) * phase.0;
         if scattered.is_black() {
@@ -361,12 +386,18 @@ impl Sink for Tracer<'_> {
         let chosen = share * light.pdf.0 * equiangular.density(t).0;
         let by_emitter = (1.0 - share) * flown.0 * self.scene.lights.pdf_light_point(position, &point).0;
         let by_phase = if light.delta { 0.0 } else { flown.0 * phase.0 * survival };
-        let weight = chosen / (chosen + by_emitter + by_phase);
+        let (emitter, target, normal) = (light.emitter, light.position, light.normal);
+        let jointly = match &self.bend {
+            None => 0.0,
+            Some(bend) => self.jointly(bend, ray, length, t, emitter, target, normal),
+        };
+        let weight = chosen / (chosen + by_emitter + by_phase + jointly);
         self.radiance += scattered * arriving * (self.share_to(position) * weight / (share * equiangular.density(t).0));
     }
 
     #[inline]
     fn surface(&mut self, hit: &SurfaceHit) {
+        self.bend = None;
         if !self.counts(hit.scatterings) || !self.scene.is_emitter(hit.point.shape) {
             return;
         }
@@ -379,13 +410,14 @@ impl Sink for Tracer<'_> {
             Some(_) => {
                 let lights = &self.scene.lights;
                 let light = lights.pdf_hit(self.last.position, hit.point);
-                let equiangular = match (&self.last.sampled, lights.of_shape(hit.point.shape)) {
+                let emitter_first = match (&self.last.sampled, lights.of_shape(hit.point.shape)) {
                     (Some(flight), Some(emitter)) => {
-                        self.equiangular_ratio(flight, emitter, hit.point.position, hit.point.normal)
+                        let (target, normal) = (hit.point.position, hit.point.normal);
+                        self.emitter_first_ratio(flight, &self.last.bend, emitter, target, normal)
                     }
                     _ => 0.0,
                 };
-                self.hit_weight(light, equiangular)
+                self.hit_weight(light, emitter_first)
             }
         };
         self.radiance += hit.throughput * emitted * (self.share * weight);
@@ -427,13 +459,13 @@ impl Sink for Tracer<'_> {
         let Some((arriving, survival)) = self.connect(origin, &light, medium, sampler) else { return };
         let walked = if light.delta { 0.0 } else { pdf.0 * survival };
         let direct = flight.map_or(1.0, |flight| 1.0 - flight.share);
-        let equiangular = match &flight {
+        let emitter_first = match &flight {
             Some(flight) if self.scene.lights.is_finite(light.emitter) => {
-                self.equiangular_ratio(flight, light.emitter, light.position, light.normal)
+                self.emitter_first_ratio(flight, &self.bend, light.emitter, light.position, light.normal)
             }
             _ => 0.0,
         };
-        let weight = light.pdf.0 / (direct * light.pdf.0 + walked + equiangular);
+        let weight = light.pdf.0 / (direct * light.pdf.0 + walked + emitter_first);
         self.radiance += vertex.throughput * value * arriving * (self.share_to(vertex.position) * weight);
     }
 
@@ -444,13 +476,17 @@ impl Sink for Tracer<'_> {
         if pdf.is_some() {
             self.share = self.share_to(vertex.position);
         }
+        let sampled = self.flight.take().filter(|_| medium);
         self.last = Last {
             position: vertex.position,
             pdf: pdf.filter(|_| samples_emitters(self.scene, vertex)),
             survival: 1.0,
-            sampled: self.flight.filter(|_| medium),
+            sampled,
+            bend: self.bend.take(),
         };
-        self.flight = None;
+        if !self.joints.is_empty() {
+            self.bend = sampled.zip(pdf).map(|(flight, phase)| flight.bend(phase));
+        }
         self.history.scatter(medium, pdf.is_none());
         self.share > 0.0 && self.options.components.has(self.history.reachable())
     }

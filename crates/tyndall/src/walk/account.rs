@@ -8,7 +8,7 @@ use crate::scene::emitter::{Emission, EndDensity, LightEnd};
 use std::marker::PhantomData;
 
 /// What a walk carries for the weights of multiple importance sampling. Sinks tell it what the walk does.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Account<'a, M> {
     scene: &'a Scene,
     effort: &'a Effort,

@@ -52,7 +52,7 @@ pub struct Uniform {
 
 impl Uniform {
     /// Optical depth beyond which no free flight gets: that of the largest number below one.
-    const OPAQUE: f32 = 20.0;
+    pub const OPAQUE: f32 = 20.0;
 
     /// The extinction of a homogeneous medium along `ray`.
     #[inline(always)]

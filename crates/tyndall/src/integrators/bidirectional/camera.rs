@@ -1,5 +1,6 @@
 //! The camera's walk, joined with emitters and with light's vertices.
 
+use super::joint::Pairing;
 use super::light::LightVertex;
 use super::merging::Merger;
 use super::options::Options;
@@ -9,21 +10,22 @@ use crate::estimators::transport::{SHORT_OF, departure, is_smooth, turn};
 use crate::math::{Ray, Sampler, Vec2};
 use crate::mis::{self, Lit, Recorder, Technique};
 use crate::scene::Scene;
-use crate::scene::emitter::LightEnd;
+use crate::scene::emitter::{EmitterSample, LightEnd};
 use crate::walk::{
     Account, Effort, End, Escape, FromCamera, Onward, Segment, Sink, Start, SurfaceHit, Vertex, edge_passage, walk,
 };
 
 /// The sink that turns a camera's walk into radiance.
 pub(super) struct CameraPath<'a, R> {
-    scene: &'a Scene,
-    options: &'a Options,
+    pub(super) scene: &'a Scene,
+    pub(super) options: &'a Options,
     effort: &'a Effort,
     light: &'a [LightVertex],
     merger: Merger<'a, R>,
+    pub(super) pairing: Pairing<'a>,
     record: &'a R,
     radiance: Spectrum,
-    account: Account<'a, FromCamera>,
+    pub(super) account: Account<'a, FromCamera>,
 }
 
 impl<'a, R: Recorder> CameraPath<'a, R> {
@@ -34,13 +36,15 @@ impl<'a, R: Recorder> CameraPath<'a, R> {
         effort: &'a Effort,
         light: &'a [LightVertex],
         merger: Merger<'a, R>,
+        pairing: Pairing<'a>,
         film: Vec2,
         sampler: &mut Sampler,
     ) -> Spectrum {
         let camera = scene.sensor.sample_ray(film, sampler.vec2());
         let account = Account::of_camera(scene, effort, &camera.ray);
         let record = merger.record;
-        let mut path = Self { scene, options, effort, light, merger, record, radiance: Spectrum::ZERO, account };
+        let radiance = Spectrum::ZERO;
+        let mut path = Self { scene, options, effort, light, merger, pairing, record, radiance, account };
         let start =
             Start { ray: camera.ray, length: camera.t_max, medium: scene.camera_medium, throughput: Spectrum::ONE };
         walk::<FromCamera, _>(scene, start, &options.rules, sampler, &mut path);
@@ -78,6 +82,20 @@ impl<'a, R: Recorder> CameraPath<'a, R> {
     fn add_sampled(&mut self, vertex: &Vertex, camera: &End, sampler: &mut Sampler) {
         let lights = &self.scene.lights;
         let Some(light) = lights.sample(vertex.position, sampler.f32(), sampler.vec2()) else { return };
+        let share = self.pairing.share_of_walk(self.scene, &light);
+        self.add_lit(vertex, camera, &light, share, sampler);
+    }
+
+    /// Light from the emitter, of which `share` is added.
+    pub(super) fn add_lit(
+        &mut self,
+        vertex: &Vertex,
+        camera: &End,
+        light: &EmitterSample,
+        share: f32,
+        sampler: &mut Sampler,
+    ) {
+        let lights = &self.scene.lights;
         let turn = turn::<FromCamera>(self.scene, vertex, light.direction);
         if turn.value.is_black() {
             return;
@@ -86,13 +104,13 @@ impl<'a, R: Recorder> CameraPath<'a, R> {
         let ray = Ray { origin, direction: light.direction };
         let length = light.distance * SHORT_OF;
         let Some((transmittance, edge)) = edge_passage(self.scene, ray, length, medium, sampler.rng()) else { return };
-        let end = LightEnd::of_sample(&light, lights);
+        let end = LightEnd::of_sample(light, lights);
         let lit = Lit { density: lights.end_density(&end), sampled: lights.sampled_density(vertex.position, &end) };
         let distance2 = light.distance * light.distance;
         let weight = mis::weigh_sampled(self.effort, &lit, camera, light.direction, &turn, &edge, distance2);
         let arriving = light.radiance * transmittance / light.pdf.0;
         let technique = Technique::Join { light: 1, camera: vertex.scatterings + 2 };
-        self.add(technique, vertex.throughput * turn.value * arriving, weight);
+        self.add(technique, vertex.throughput * turn.value * arriving * share, weight);
     }
 
     /// Light from the vertices of light's walk.
@@ -110,10 +128,12 @@ impl<'a, R: Recorder> CameraPath<'a, R> {
 impl<R: Recorder> Sink for CameraPath<'_, R> {
     fn segment(&mut self, segment: &Segment, sampler: &mut Sampler) {
         self.radiance += self.merger.along(segment, &self.account, sampler);
+        self.add_pair(segment, sampler);
         self.account.pass(segment);
     }
 
     fn surface(&mut self, hit: &SurfaceHit) {
+        self.pairing.leave();
         if self.scene.is_emitter(hit.point.shape) {
             let lights = &self.scene.lights;
             let end = LightEnd::of_hit(hit.point, hit.direction, lights);
@@ -137,6 +157,7 @@ impl<R: Recorder> Sink for CameraPath<'_, R> {
 
     fn scattered(&mut self, vertex: &Vertex, onward: &Onward) -> bool {
         self.account.depart(vertex, onward);
+        self.pairing.depart(onward);
         true
     }
 }

@@ -6,6 +6,7 @@
 //! weights of all that are those of [`crate::mis`].
 
 mod camera;
+mod joint;
 mod light;
 mod merging;
 mod options;
@@ -13,12 +14,14 @@ pub mod registry;
 mod stores;
 
 use self::camera::CameraPath;
+use self::joint::Pairing;
 use self::light::{LightPath, LightVertex};
 use self::merging::Merger;
 use self::options::Options;
 use self::stores::Stores;
 use super::volpath::{self, Volpath};
 use super::{ByTechnique, Counts, Integrator, Job, RareEvents, Sample, sample_pixels};
+use crate::estimators::joint::Joint;
 use crate::film::Splats;
 use crate::film::pixels::PixelSum;
 use crate::math::Sampler;
@@ -139,11 +142,13 @@ pub(super) struct Bidirectional {
     options: Options,
     stores: Stores,
     tally: Tally,
+    /// By medium; none where two points are not sampled jointly.
+    joints: Vec<Joint>,
 }
 
 impl Bidirectional {
     fn new(options: Options) -> Self {
-        Self { options, stores: Stores::new(), tally: Tally::default() }
+        Self { options, stores: Stores::new(), tally: Tally::default(), joints: Vec::new() }
     }
 
     fn paint<R: Recorder>(
@@ -154,7 +159,7 @@ impl Bidirectional {
         splats: &mut Splats,
         record: &R,
     ) -> RareEvents {
-        let Self { options, stores, tally } = self;
+        let Self { options, stores, tally, joints } = self;
         let effort = &stores.effort;
         let mut vertices: Vec<LightVertex> = Vec::new();
         let mut profile = Profile::default();
@@ -169,7 +174,8 @@ impl Bidirectional {
             }
             let (max_depth, kernel) = (options.rules.max_depth, options.kernel);
             let merger = Merger { scene, stores, kernel, max_depth, profile: &mut profile, record };
-            let seen = CameraPath::radiance(scene, options, effort, &vertices, merger, sample.film, sampler);
+            let pairing = Pairing::new(joints);
+            let seen = CameraPath::radiance(scene, options, effort, &vertices, merger, pairing, sample.film, sampler);
             record.finish(sample.place, sample.weight);
             seen
         });
@@ -187,6 +193,9 @@ impl Integrator for Bidirectional {
     fn prepare(&mut self, scene: &Scene, seed: u64, pass: u32) -> Result<u32, TraceError> {
         let Counts { light_paths, photons } = self.stores.prepare(scene, &self.options, seed, pass)?;
         self.tally.add(light_paths as usize, photons as usize);
+        if self.options.joint && self.joints.is_empty() {
+            self.joints = Joint::of_media(scene);
+        }
         Ok(1)
     }
 

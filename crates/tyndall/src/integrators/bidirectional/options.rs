@@ -62,6 +62,8 @@ pub(in crate::integrators) struct Options {
     /// Exponent of progressive radii; 0 for the best.
     pub(super) alpha: f32,
     pub(super) kernel: Kernel,
+    /// Whether two points are sampled jointly as well.
+    pub(super) joint: bool,
     pub(super) memory: usize,
 }
 
@@ -139,6 +141,7 @@ impl Options {
             surface_radius: 0.0,
             alpha: 0.0,
             kernel: Kernel::default(),
+            joint: parameters.declares("joint") && parameters.boolean("joint"),
             memory: usize::MAX,
         };
         if !parameters.declares("techniques") {

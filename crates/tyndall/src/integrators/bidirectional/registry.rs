@@ -4,6 +4,7 @@ use super::options::declared::{ALPHA, BEAMS, MEMORY, PHOTONS, RADIUS, SURFACE_RA
 use super::{Bidirectional, LightTracing, Options};
 use crate::integrators::photon_mapping::declared::KERNEL;
 use crate::integrators::volpath::common::{HIDE_EMITTERS, MAX_DEPTH, RR_DEPTH};
+use crate::integrators::volpath::joint::JOINT;
 use crate::integrators::{IntegratorInfo, ParameterInfo};
 
 const PARAMETERS: &[ParameterInfo] = &[MAX_DEPTH, RR_DEPTH, HIDE_EMITTERS];
@@ -24,7 +25,7 @@ pub const BDPT: IntegratorInfo = IntegratorInfo {
     aliases: &[],
     summary: "Bidirectional path tracing: paths from the camera and from emitters, joined in every way.",
     source: "Lafortune and Willems 1993, 1996; Veach and Guibas 1995",
-    parameters: PARAMETERS,
+    parameters: &[MAX_DEPTH, RR_DEPTH, HIDE_EMITTERS, JOINT],
     make: |parameters| Ok(Box::new(Bidirectional::new(Options::read(parameters)?))),
 };
 
