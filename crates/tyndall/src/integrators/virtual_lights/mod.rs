@@ -6,6 +6,7 @@
 
 mod camera;
 mod chosen;
+mod lightcuts;
 pub mod registry;
 
 use self::camera::Seeker;
@@ -160,6 +161,11 @@ impl Integrator for VirtualLights {
             traced + Seeker::radiance(self, scene, &mut profile, sample.film, sampler)
         })
     }
+}
+
+/// The part of 1/d^2 below `clamp` (1/m^2; 0 is none), as a share.
+fn kept(clamp: f32, spread: f32) -> f32 {
+    if clamp > 0.0 { (clamp / spread).min(1.0) } else { 1.0 }
 }
 
 /// Whether light that scatters there is wanted.

@@ -1,10 +1,12 @@
 //! The names of the family.
 
+use super::lightcuts::{self, Lightcuts};
 use super::{Options, VirtualLights};
 use crate::integrators::components::Components;
 use crate::integrators::photon_mapping::declared::{ABSORPTION, EXTENT, MEMORY, REUSE, photons};
 use crate::integrators::volpath::common::{HIDE_EMITTERS, MAX_DEPTH, RR_DEPTH};
 use crate::integrators::volpath::{self, RR_CAP, depth};
+use crate::integrators::parameters::parameter;
 use crate::integrators::{Integrator, IntegratorInfo, ParameterError, ParameterInfo, ParameterKind, Parameters};
 use crate::photons::Extent;
 use crate::walk::{Media, Rules};
@@ -45,6 +47,43 @@ const RADIUS: ParameterInfo = ParameterInfo {
     description: "Radius of the lights in the first pass; 0 is a tenth of the mean length of light's segments in media.",
 };
 
+const ERROR: ParameterInfo = parameter(
+    "error",
+    ParameterKind::Float,
+    "0.02",
+    "",
+    "Clusters are refined until none may give more than this share of the pixel's light; 0 joins all lights.",
+);
+const MAX_CUT: ParameterInfo = parameter(
+    "max_cut",
+    ParameterKind::Integer,
+    "1000",
+    "",
+    "Most pairs of clusters that a pixel is refined to, whatever their bounds; 0 is no limit.",
+);
+const PIXEL_SAMPLES: ParameterInfo = parameter(
+    "samples",
+    ParameterKind::Integer,
+    "4",
+    "",
+    "Camera samples of a pixel in each pass: they share a cut.",
+);
+const POINTS: ParameterInfo = parameter(
+    "points",
+    ParameterKind::Integer,
+    "8",
+    "",
+    "Points at which light is gathered on each stretch of a camera's ray through a dense medium; fewer in thin ones.",
+);
+const NEARNESS: ParameterInfo = parameter(
+    "clamp",
+    ParameterKind::Float,
+    "-1",
+    "1/m^2",
+    "Bound on one over the squared distance between lights and what they light; 0 is none, -1 follows from how densely \
+     the lights lie.",
+);
+
 /// Which lights there are.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
@@ -56,8 +95,7 @@ enum Kind {
 fn make(parameters: &Parameters, kind: Kind) -> Result<Box<dyn Integrator>, ParameterError> {
     let max_depth = depth(parameters, "max_depth")?;
     let camera_rules = Rules { max_depth, rr_depth: u32::MAX, rr_cap: RR_CAP, media: Media::Attenuate };
-    let weighted = parameters.text("absorption") == "weight";
-    let (rr_depth, rr_cap) = if weighted { (5, RR_CAP) } else { (0, 1.0) };
+    let (rr_depth, rr_cap) = roulette(parameters);
     let from_zero = "a number from 0";
     let components = Components::read(parameters)?;
     let clamp = if kind == Kind::Beams { 0.0 } else { parameters.number("clamp", |c| c >= 0.0, from_zero)? };
@@ -79,9 +117,46 @@ fn make(parameters: &Parameters, kind: Kind) -> Result<Box<dyn Integrator>, Para
         components,
         memory: usize::try_from(parameters.bytes("memory")).unwrap_or(usize::MAX),
     };
-    let traced = if compensates { components } else { components.intersection(Components::STRAIGHT.complement()) };
-    let path = volpath::Options::beside(parameters, traced, if compensates { clamp } else { 0.0 })?;
+    let path = volpath::Options::beside(
+        parameters,
+        traced(components, compensates),
+        if compensates { clamp } else { 0.0 },
+    )?;
     Ok(Box::new(VirtualLights::new(options, path)))
+}
+
+fn make_lightcuts(parameters: &Parameters) -> Result<Box<dyn Integrator>, ParameterError> {
+    let max_depth = depth(parameters, "max_depth")?;
+    let (rr_depth, rr_cap) = roulette(parameters);
+    let components = Components::read(parameters)?;
+    let clamp = parameters.number("clamp", |c| c >= 0.0 || c == -1.0, "-1 or a number from 0")?;
+    let compensates = clamp != 0.0 && parameters.text("compensation") == "path";
+    let options = lightcuts::Options {
+        camera_rules: Rules { max_depth, rr_depth: u32::MAX, rr_cap: RR_CAP, media: Media::Attenuate },
+        light_rules: Rules { max_depth, rr_depth, rr_cap, media: Media::Scatter },
+        photons: parameters.count("photons", 1, "a whole number from 1")?,
+        error: parameters.number("error", |e| e >= 0.0, "a number from 0")?,
+        max_cut: parameters.count("max_cut", 0, "a whole number from 0")?,
+        samples: parameters.count("samples", 1, "a whole number from 1")?,
+        points: parameters.count("points", 1, "a whole number from 1")?,
+        clamp: (clamp >= 0.0).then_some(clamp),
+        compensates,
+        reuse: parameters.count("reuse", 0, "a whole number from 0")?,
+        components,
+        memory: usize::try_from(parameters.bytes("memory")).unwrap_or(usize::MAX),
+    };
+    let path = volpath::Options::beside(parameters, traced(components, compensates), clamp.max(0.0))?;
+    Ok(Box::new(Lightcuts::new(options, path)))
+}
+
+/// When and how roulette ends light paths.
+fn roulette(parameters: &Parameters) -> (u32, f32) {
+    if parameters.text("absorption") == "weight" { (5, RR_CAP) } else { (0, 1.0) }
+}
+
+/// What paths are traced for.
+fn traced(components: Components, compensates: bool) -> Components {
+    if compensates { components } else { components.intersection(Components::STRAIGHT.complement()) }
 }
 
 /// Declares an entry: what all have, and what it has besides.
@@ -130,3 +205,28 @@ pub const VBL: IntegratorInfo = entry!(
     Kind::Beams,
     [SAMPLES, EXTENT, RADIUS]
 );
+
+/// The registry's entry of `lightcuts`.
+pub const LIGHTCUTS: IntegratorInfo = IntegratorInfo {
+    name: "lightcuts",
+    aliases: &[],
+    summary: "Multidimensional lightcuts: all virtual point lights at once, in clusters as fine as a pixel needs.",
+    source: "Walter, Arbree, Bala and Greenberg 2006; Kollig and Keller 2004",
+    parameters: &[
+        photons("10000"),
+        ERROR,
+        MAX_CUT,
+        PIXEL_SAMPLES,
+        POINTS,
+        NEARNESS,
+        COMPENSATION,
+        ABSORPTION,
+        REUSE,
+        Components::PARAMETER,
+        MAX_DEPTH,
+        RR_DEPTH,
+        HIDE_EMITTERS,
+        MEMORY,
+    ],
+    make: make_lightcuts,
+};
