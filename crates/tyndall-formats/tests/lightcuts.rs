@@ -143,9 +143,8 @@ fn render(scene: &Scene, passes: u32, set: &[(&str, &str)]) -> Vec<[f32; 3]> {
 #[test]
 fn a_bound_near_zero_is_the_sum_over_all_lights() {
     let scene = room();
-    let [all, refined] = ["0", "1e-30"].map(|error| {
-        render(&scene, 1, &[("photons", "30"), ("samples", "2"), ("max_cut", "0"), ("error", error)])
-    });
+    let [all, refined] = ["0", "1e-30"]
+        .map(|error| render(&scene, 1, &[("photons", "30"), ("samples", "2"), ("max_cut", "0"), ("error", error)]));
     for (all, refined) in all.iter().zip(&refined) {
         for c in 0..3 {
             assert!((all[c] - refined[c]).abs() <= 2e-5 * all[c], "{all:?} {refined:?}");
@@ -153,14 +152,17 @@ fn a_bound_near_zero_is_the_sum_over_all_lights() {
     }
 }
 
-/// The same lights and points, in clusters and all.
+/// The same lights and points, in clusters and all. The bound is that of a pair in one pass, and a share of the largest channel.
 #[test]
 fn nearly_all_pixels_are_within_the_bound() {
     let scene = room();
-    let set = [("photons", "500"), ("max_cut", "0"), ("samples", "2")];
+    let set = [("photons", "300"), ("max_cut", "0")];
     let [all, cut] = ["0", "0.02"].map(|error| render(&scene, 16, &[&set[..], &[("error", error)]].concat()));
-    let differs = |(all, cut): (&[f32; 3], &[f32; 3])| (0..3).any(|c| (all[c] - cut[c]).abs() > 0.02 * all[c]);
-    let wrong = all.iter().zip(&cut).filter(|pair| differs(*pair)).count();
-    println!("{wrong} of {} pixels differ by more than 2 %", all.len());
+    let mut errors: Vec<f32> = std::iter::zip(&all, &cut)
+        .map(|(all, cut)| (0..3).map(|c| (all[c] - cut[c]).abs()).fold(0.0, f32::max) / all[0].max(all[1]).max(all[2]))
+        .collect();
+    errors.sort_by(f32::total_cmp);
+    let wrong = errors.iter().filter(|error| **error > 0.02).count();
+    println!("{wrong} of {} pixels differ by more than 2 %, half of them by {}", all.len(), errors[all.len() / 2]);
     assert!(wrong * 100 <= all.len(), "{wrong} of {}", all.len());
 }

@@ -3,7 +3,7 @@
 use crate::Folder;
 
 /// Every one and every estimator, at a size that takes no time.
-const CHOICES: [&str; 28] = [
+const CHOICES: [&str; 29] = [
     "-i photonmap --set steps=3",
     "-i photonmap --set steps=3 --set final_gather=true --set reuse=2",
     "-i vpm --set steps=3 --set neighbours=5",
@@ -31,6 +31,7 @@ const CHOICES: [&str; 28] = [
     "-i vpl --set clamp=10 --set lights=4",
     "-i vrl --set extent=long --set lights=4",
     "-i vbl --set reuse=2 --set lights=4",
+    "-i lightcuts --set max_cut=100 --set samples=2",
     COMPOSITE,
 ];
 

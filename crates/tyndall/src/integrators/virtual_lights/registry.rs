@@ -3,10 +3,10 @@
 use super::lightcuts::{self, Lightcuts};
 use super::{Options, VirtualLights};
 use crate::integrators::components::Components;
+use crate::integrators::parameters::parameter;
 use crate::integrators::photon_mapping::declared::{ABSORPTION, EXTENT, MEMORY, REUSE, photons};
 use crate::integrators::volpath::common::{HIDE_EMITTERS, MAX_DEPTH, RR_DEPTH};
 use crate::integrators::volpath::{self, RR_CAP, depth};
-use crate::integrators::parameters::parameter;
 use crate::integrators::{Integrator, IntegratorInfo, ParameterError, ParameterInfo, ParameterKind, Parameters};
 use crate::photons::Extent;
 use crate::walk::{Media, Rules};
@@ -61,13 +61,8 @@ const MAX_CUT: ParameterInfo = parameter(
     "",
     "Most pairs of clusters that a pixel is refined to, whatever their bounds; 0 is no limit.",
 );
-const PIXEL_SAMPLES: ParameterInfo = parameter(
-    "samples",
-    ParameterKind::Integer,
-    "4",
-    "",
-    "Camera samples of a pixel in each pass: they share a cut.",
-);
+const PIXEL_SAMPLES: ParameterInfo =
+    parameter("samples", ParameterKind::Integer, "4", "", "Camera samples of a pixel in each pass: they share a cut.");
 const POINTS: ParameterInfo = parameter(
     "points",
     ParameterKind::Integer,
@@ -117,11 +112,8 @@ fn make(parameters: &Parameters, kind: Kind) -> Result<Box<dyn Integrator>, Para
         components,
         memory: usize::try_from(parameters.bytes("memory")).unwrap_or(usize::MAX),
     };
-    let path = volpath::Options::beside(
-        parameters,
-        traced(components, compensates),
-        if compensates { clamp } else { 0.0 },
-    )?;
+    let path =
+        volpath::Options::beside(parameters, traced(components, compensates), if compensates { clamp } else { 0.0 })?;
     Ok(Box::new(VirtualLights::new(options, path)))
 }
 

@@ -127,7 +127,13 @@ impl Graph<'_> {
         match sum(&a).total_cmp(&sum(&b)) {
             Ordering::Less => a,
             Ordering::Greater => b,
-            Ordering::Equal => if larger { a } else { b },
+            Ordering::Equal => {
+                if larger {
+                    a
+                } else {
+                    b
+                }
+            }
         }
     }
 }

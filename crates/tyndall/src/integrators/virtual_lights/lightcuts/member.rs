@@ -4,15 +4,15 @@ use super::clusters::{Member, SURFACE};
 use crate::Spectrum;
 use crate::math::Vec3;
 use crate::scene::Scene;
-use crate::scene::bsdf::Ceiling;
+use crate::scene::bsdf::{Ceiling, Transport};
 use crate::scene::desc::MediumId;
 use crate::scene::phase::Phase;
 use crate::scene::shape::SurfacePoint;
 use crate::walk::{Scattering, Vertex};
 use std::f32::consts::{FRAC_1_PI, PI};
 
-/// Stands for the bound of a BSDF that knows none, times its usual value, 1/sr: such clusters are parted into their members.
-const UNKNOWN: f32 = 1e12;
+/// What BSDFs that know no bound are granted above their values in a few directions.
+const MARGIN: f32 = 2.0;
 
 /// Normals nearer to each other are one.
 const SAME: f32 = 1e-5;
@@ -28,23 +28,20 @@ pub(super) fn light(scene: &Scene, vertex: &Vertex, index: u32) -> Option<Member
     if cos == 0.0 {
         return None;
     }
-    // Light turns by the BSDF with its arguments exchanged, by the cosines of light's density on the surface.
+    // Light turns by the BSDF with its arguments exchanged, and by the geometric cosines.
     let bend = point.shading.n.cross(point.normal).length();
     let bend = if bend < SAME { 0.0 } else { bend };
     // The shading normal lies on the side of the geometric one.
     let axis = point.normal * 1.0_f32.copysign(from.z);
     let member = match ceiling(scene, point, from) {
-        Some(Ceiling { value, cosine: true }) => Member {
+        Ceiling { value, cosine: true } => Member {
             weight: strength(vertex.throughput * value) * (from.z.abs() / cos),
             // Beyond the horizon of one normal the other may see a little.
             floor: bend,
             axis,
             ..member
         },
-        Some(Ceiling { value, .. }) if bend == 0.0 => {
-            Member { peak: PI * value.max_channel(), floor: 1.0, axis, ..member }
-        }
-        _ => Member { peak: UNKNOWN, floor: 1.0, axis, ..member },
+        Ceiling { value, .. } => Member { peak: PI * value.max_channel(), floor: 1.0, axis, ..member },
     };
     (member.weight > 0.0 && member.peak > 0.0).then_some(member)
 }
@@ -58,11 +55,8 @@ pub(super) fn point(scene: &Scene, vertex: &Vertex, index: u32) -> Option<Member
     let to = point.shading.to_local(-vertex.direction);
     let axis = point.shading.n * 1.0_f32.copysign(to.z);
     let member = match ceiling(scene, point, to) {
-        Some(Ceiling { value, cosine: true }) => {
-            Member { weight: strength(vertex.throughput * value), axis, ..member }
-        }
-        Some(Ceiling { value, .. }) => Member { peak: PI * value.max_channel(), floor: 1.0, axis, ..member },
-        None => Member { peak: UNKNOWN, floor: 1.0, axis, ..member },
+        Ceiling { value, cosine: true } => Member { weight: strength(vertex.throughput * value), axis, ..member },
+        Ceiling { value, .. } => Member { peak: PI * value.max_channel(), floor: 1.0, axis, ..member },
     };
     (member.weight > 0.0 && member.peak > 0.0).then_some(member)
 }
@@ -100,6 +94,17 @@ fn strength(throughput: Spectrum) -> f32 {
     throughput.max_channel().max(-throughput.min_channel())
 }
 
-fn ceiling(scene: &Scene, point: &SurfacePoint, direction: Vec3) -> Option<Ceiling> {
-    scene.bsdfs.ceiling(scene.bsdf_of(point.shape), &scene.surface_context(point), direction)
+/// A bound of what the surface scatters between the local `direction` and any other. Where the model knows none, a guess:
+/// what it scatters back along its mirror image, the normal, and straight on, with a margin. A wrong one costs noise, nothing
+/// else.
+fn ceiling(scene: &Scene, point: &SurfacePoint, direction: Vec3) -> Ceiling {
+    let (bsdf, context) = (scene.bsdf_of(point.shape), scene.surface_context(point));
+    scene.bsdfs.ceiling(bsdf, &context, direction).unwrap_or_else(|| {
+        let mirror = Vec3::new(-direction.x, -direction.y, direction.z);
+        let guess = [mirror, Vec3::Z, -Vec3::Z, -direction]
+            .map(|to| scene.bsdfs.eval(bsdf, &context, direction, to, Transport::Radiance).0.max_channel())
+            .into_iter()
+            .fold(FRAC_1_PI, f32::max);
+        Ceiling { value: Spectrum::grey(MARGIN * guess), cosine: false }
+    })
 }

@@ -160,7 +160,15 @@ impl Lightcuts {
     }
 
     /// Radiance of a pixel in one pass.
-    fn pixel(&self, scene: &Scene, bounds: &Bounds, scratch: &mut Scratch, pixel: Pixel, pass: u32, seed: u64) -> Spectrum {
+    fn pixel(
+        &self,
+        scene: &Scene,
+        bounds: &Bounds,
+        scratch: &mut Scratch,
+        pixel: Pixel,
+        pass: u32,
+        seed: u64,
+    ) -> Spectrum {
         let Options { samples, .. } = self.options;
         let straight = self.options.components.intersection(Components::STRAIGHT) != Components::NONE;
         let Scratch { profile, vertices, .. } = scratch;

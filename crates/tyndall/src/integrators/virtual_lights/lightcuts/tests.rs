@@ -9,10 +9,16 @@ use crate::scene::phase::Phase;
 
 fn phases() -> Vec<Phase> {
     let hg = |g| PhaseDesc::HenyeyGreenstein { g };
-    [PhaseDesc::Isotropic, hg(0.8), hg(-0.6), PhaseDesc::Rayleigh, PhaseDesc::Tabulated { values: vec![0.5, 1.0, 0.2, 3.0] }]
-        .iter()
-        .map(|desc| Phase::compile(desc).unwrap())
-        .collect()
+    [
+        PhaseDesc::Isotropic,
+        hg(0.8),
+        hg(-0.6),
+        PhaseDesc::Rayleigh,
+        PhaseDesc::Tabulated { values: vec![0.5, 1.0, 0.2, 3.0] },
+    ]
+    .iter()
+    .map(|desc| Phase::compile(desc).unwrap())
+    .collect()
 }
 
 /// Members around `centre` within `size`, their axes within `spread` of one, of one class or of all.
@@ -54,7 +60,9 @@ fn below(clusters: &Clusters, node: u32, found: &mut Vec<u32>) {
 #[test]
 fn clusters_hold_their_members() {
     let mut rng = Rng::keyed(1, 0, 0);
-    for (count, size, spread) in [(1, 1.0, 0.5), (2, 0.0, 0.0), (7, 3.0, 2.0), (300, 1.0, 0.1), (300, 0.0, 2.0), (9000, 5.0, 5.0)] {
+    for (count, size, spread) in
+        [(1, 1.0, 0.5), (2, 0.0, 0.0), (7, 3.0, 2.0), (300, 1.0, 0.1), (300, 0.0, 2.0), (9000, 5.0, 5.0)]
+    {
         let members = members(&mut rng, count, Vec3::new(3.0, -1.0, 2.0), size, spread, None);
         let clusters = clusters(&members);
         let total: u32 = clusters.roots.iter().map(|root| clusters.node(*root).count).sum();
@@ -76,7 +84,8 @@ fn clusters_hold_their_members() {
             assert!((f64::from(node.weight) / weight - 1.0).abs() < 1e-4);
         }
         // In one order, whoever builds it.
-        let again = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap().install(|| self::clusters(&members));
+        let again =
+            rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap().install(|| self::clusters(&members));
         assert!(clusters.members.iter().map(|m| m.index).eq(again.members.iter().map(|m| m.index)));
     }
 }
@@ -115,7 +124,9 @@ fn sent(bounds: &Bounds, light: &Member, point: &Member) -> f32 {
             }
     };
     let along = way / distance;
-    shape(light, along) * shape(point, -along) * (1.0 / (distance * distance)).min(bounds.clamp)
+    shape(light, along)
+        * shape(point, -along)
+        * (1.0 / (distance * distance)).min(bounds.clamp)
         * (-bounds.extinction * distance).exp()
 }
 

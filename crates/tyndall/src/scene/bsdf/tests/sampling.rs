@@ -86,7 +86,9 @@ fn ceilings_are_above_all_values() {
     for name in SMOOTH {
         let probe = Probe::named(name);
         let mut rng = Rng::keyed(8, 0, 0);
-        for wo in directions().into_iter().chain((0..50).map(|_| warp::square_to_sphere(rng.vec2())).collect::<Vec<_>>()) {
+        for wo in
+            directions().into_iter().chain((0..50).map(|_| warp::square_to_sphere(rng.vec2())).collect::<Vec<_>>())
+        {
             let Some(ceiling) = probe.bsdfs.ceiling(probe.root, &probe.context(), wo) else { continue };
             known += 1;
             for _ in 0..500 {
