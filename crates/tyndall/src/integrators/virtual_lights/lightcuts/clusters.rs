@@ -107,8 +107,7 @@ const DEEP: u32 = 64;
 /// Clusters of more members are cut by two threads.
 const LARGE: usize = 4096;
 
-/// Angle between axes, in units of the size of all, that separates members as much as distance does: in LightSlice's
-/// code a sixteenth of the scene.
+/// Distance, in units of the size of all, that parts members as much as unit vectors apart do.
 const TURN: f32 = 1.0 / 16.0;
 
 /// Members in clusters, a tree for each class. The trees depend on the members alone.

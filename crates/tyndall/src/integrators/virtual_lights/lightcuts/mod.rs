@@ -17,7 +17,7 @@ mod member;
 mod tests;
 
 use self::bounds::Bounds;
-use self::clusters::Clusters;
+use self::clusters::{Clusters, Member};
 use self::cut::{Cut, Graph};
 use self::gather::Gatherer;
 use super::{PILOT_SET, kept};
@@ -28,7 +28,7 @@ use crate::film::pixels::PixelSum;
 use crate::integrators::components::Components;
 use crate::integrators::volpath::{self, Volpath};
 use crate::integrators::{Counts, Integrator, Job, Pixel, RareEvents, each_pixel};
-use crate::math::{Rng, Sampler, Vec3};
+use crate::math::{Rng, Sampler, Vec2, Vec3};
 use crate::photons::{Extent, LightPaths, TraceError, Tracing, Wanted};
 use crate::scene::Scene;
 use crate::walk::{Profile, Rules, Vertex};
@@ -75,8 +75,12 @@ const FIRST_LOOK: usize = 64;
 /// Streams of numbers for the choice of members; those of pixels have smaller names, those of light paths greater ones.
 const STREAM: u64 = 1 << 62;
 
-/// Light paths from which an automatic clamp is found.
+/// Light paths from which an automatic clamp is found, and places of the film that tell what is dark.
 const PILOT_PATHS: u32 = 1000;
+const PILOT_LOOKS: u32 = 256;
+
+/// Share of a picture's usual radiance below which nobody tells 2 %.
+const DARK: f32 = 0.05;
 
 /// Automatic least distance of lights in units of their spread, for as many as there are to the power of -1/3: a ball of that
 /// radius holds about half a light.
@@ -90,7 +94,9 @@ pub(super) struct Lightcuts {
     paths: LightPaths,
     lights: Clusters,
     /// Bound on 1/d^2, 1/m^2; 0: none.
-    clamp: Option<f32>,
+    clamp: f32,
+    /// Pixels of less radiance are refined as if they had that much.
+    dark: f32,
     /// The set of light paths at hand.
     set: Option<u32>,
     counts: Counts,
@@ -118,7 +124,8 @@ impl Lightcuts {
             path: Volpath::new(path_options),
             paths: LightPaths::default(),
             lights: Clusters::default(),
-            clamp: options.clamp,
+            clamp: 0.0,
+            dark: 0.0,
             set: None,
             counts: Counts::default(),
             connections: AtomicU64::new(0),
@@ -143,20 +150,50 @@ impl Lightcuts {
         }
     }
 
-    /// The bound on 1/d^2: as given, or from a few light paths of their own, so that it does not depend on the lights.
-    fn clamp(&mut self, scene: &Scene, seed: u64) -> Result<f32, TraceError> {
-        if let Some(known) = self.clamp {
-            return Ok(known);
-        }
+    /// Finds the bound on 1/d^2, if it is an automatic one, and what counts as dark, from a few light paths of their own: the
+    /// same whatever pass comes first, and independent of the lights of any.
+    fn pilot(&mut self, scene: &Scene, seed: u64) -> Result<(), TraceError> {
         let paths = self.options.photons.min(PILOT_PATHS);
         self.paths.trace(scene, &Tracing { paths, ..self.tracing(seed, PILOT_SET) })?;
         let share = f64::from(self.options.photons) / f64::from(paths);
-        let clamp = usual_clamp(&self.paths.vertices, share).unwrap_or_else(|| {
+        let usual = || {
             let diagonal = scene.geometry.bounds().extent().length();
-            if diagonal > 0.0 && diagonal.is_finite() { 1e4 / (diagonal * diagonal) } else { 1e4 }
-        });
-        self.clamp = Some(clamp);
-        Ok(clamp)
+            let fallback = if diagonal > 0.0 && diagonal.is_finite() { 1e4 / (diagonal * diagonal) } else { 1e4 };
+            usual_clamp(&self.paths.vertices, share).unwrap_or(fallback)
+        };
+        let clamp = self.options.clamp.unwrap_or_else(usual);
+        self.clamp = clamp;
+        if self.options.compensates {
+            self.path = Volpath::new(self.path_options.bounded(clamp));
+        }
+        if self.options.error > 0.0 {
+            self.lights.rebuild(members(scene, &self.paths.vertices));
+            // As coarse as a cut can be.
+            self.dark = f32::INFINITY;
+            self.dark = DARK * self.usual_radiance(scene, paths, seed);
+        }
+        Ok(())
+    }
+
+    /// Mean radiance of a few places of the film, of `paths` light paths.
+    fn usual_radiance(&self, scene: &Scene, paths: u32, seed: u64) -> f32 {
+        let (bounds, mut scratch) = (Bounds::new(scene, self.clamp), Scratch::default());
+        let size = Vec2::new(scene.film.width as f32, scene.film.height as f32);
+        let mut sum = Spectrum::ZERO;
+        for look in 0..PILOT_LOOKS {
+            let mut sampler = Sampler::new(seed, STREAM | u64::from(u32::MAX), look);
+            let film = sampler.vec2() * size;
+            let traced = self.path.radiance(scene, film, &mut sampler);
+            let Scratch { profile, vertices, .. } = &mut scratch;
+            vertices.clear();
+            let mut gatherer = Gatherer { options: &self.options, scene, profile, points: vertices };
+            gatherer.gather(film, 1.0 / paths as f32, &mut sampler);
+            let radiance = traced + self.lit(scene, &bounds, &mut scratch, traced, sampler.rng());
+            // One bright spot should not make a picture's rest dark.
+            sum += if radiance.is_finite() { radiance.map(|x| x.max(0.0).sqrt()) } else { Spectrum::ZERO };
+        }
+        let root = sum.max_channel() / PILOT_LOOKS as f32;
+        root * root
     }
 
     /// Radiance of a pixel in one pass.
@@ -224,7 +261,7 @@ impl Lightcuts {
         let mut threshold = 0.0;
         if error > 0.0 {
             cut.refine(&graph, 0.0, FIRST_LOOK.min(most));
-            threshold = error * (traced + join_pairs(cut, rng)).map(f32::abs).max_channel();
+            threshold = error * (traced + join_pairs(cut, rng)).map(f32::abs).max_channel().max(self.dark);
         }
         cut.refine(&graph, threshold, most);
         *capped += u64::from(cut.error() > threshold);
@@ -239,9 +276,14 @@ impl Lightcuts {
             return Spectrum::ZERO;
         }
         let Some(joined) = join(scene, light, point, rng) else { return Spectrum::ZERO };
-        let kept = kept(self.clamp.unwrap_or(0.0), joined.spread);
+        let kept = kept(self.clamp, joined.spread);
         light.throughput * point.throughput * joined.value * kept
     }
+}
+
+/// The vertices of light's walks that scatter anything.
+fn members<'a>(scene: &'a Scene, lights: &'a [Vertex]) -> impl Iterator<Item = Member> + 'a {
+    lights.iter().enumerate().filter_map(|(i, vertex)| member::light(scene, vertex, i as u32))
 }
 
 /// The bound on 1/d^2 (1/m^2) for `share` times as many lights as these; `None` if they all are in one place, or none.
@@ -272,17 +314,15 @@ impl Integrator for Lightcuts {
         if self.set == Some(set) {
             return Ok(serves);
         }
-        let clamp = self.clamp(scene, seed)?;
-        if self.options.compensates {
-            self.path = Volpath::new(self.path_options.bounded(clamp));
+        if self.set.is_none() {
+            self.pilot(scene, seed)?;
         }
         self.paths.trace(scene, &self.tracing(seed, set))?;
         let vertices = &self.paths.vertices;
         if vertices.len() * (2 * size_of::<Vertex>() + Clusters::BYTES) > self.options.memory {
             return Err(TraceError::Memory { limit: self.options.memory });
         }
-        let member = |(i, vertex)| member::light(scene, vertex, i as u32);
-        self.lights.rebuild(vertices.iter().enumerate().filter_map(member));
+        self.lights.rebuild(members(scene, vertices));
         self.counts.light_paths += u64::from(self.options.photons);
         self.counts.photons += vertices.len() as u64;
         self.set = Some(set);
@@ -295,7 +335,7 @@ impl Integrator for Lightcuts {
     }
 
     fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum], _: &mut Splats) -> RareEvents {
-        let bounds = Bounds::new(scene, self.clamp.unwrap_or(0.0));
+        let bounds = Bounds::new(scene, self.clamp);
         let mut scratch = Scratch::default();
         let rare = each_pixel(scene, job, pixels, |pixel, pass| {
             self.pixel(scene, &bounds, &mut scratch, pixel, pass, job.seed)
