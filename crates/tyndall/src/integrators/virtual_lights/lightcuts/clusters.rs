@@ -128,7 +128,7 @@ impl Clusters {
     pub(super) fn rebuild(&mut self, members: impl Iterator<Item = Member>) {
         self.members.clear();
         self.members.extend(members);
-        self.members.sort_by_key(|member| member.class);
+        self.members.sort_unstable_by_key(|member| (member.class, member.index));
         self.nodes.clear();
         self.nodes.resize(2 * self.members.len(), Node::EMPTY);
         self.roots.clear();

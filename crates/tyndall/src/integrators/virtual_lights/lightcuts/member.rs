@@ -95,7 +95,7 @@ fn strength(throughput: Spectrum) -> f32 {
 }
 
 /// A bound of what the surface scatters between the local `direction` and any other. Where the model knows none, a guess:
-/// what it scatters back along its mirror image, the normal, and straight on, with a margin. A wrong one costs noise, nothing
+/// what it scatters along its mirror image, the normals, and straight on, with a margin. A wrong one costs noise, nothing
 /// else.
 fn ceiling(scene: &Scene, point: &SurfacePoint, direction: Vec3) -> Ceiling {
     let (bsdf, context) = (scene.bsdf_of(point.shape), scene.surface_context(point));
