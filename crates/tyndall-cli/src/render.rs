@@ -138,6 +138,8 @@ fn statistics(rendering: &Rendering, setup: [Duration; 2], series: Vec<Moment>) 
         render_seconds: rendering.seconds(),
         light_paths: counts.light_paths,
         photons: counts.photons,
+        connections: counts.connections,
+        capped: counts.capped,
         non_finite: rendering.rare_events().non_finite,
         peak_memory: peak_memory(None),
         interrupted: false,

@@ -25,6 +25,10 @@ pub(crate) struct Statistics {
     pub(crate) light_paths: u64,
     /// Points, beams and planes that they left.
     pub(crate) photons: u64,
+    /// Edges between lights and what they light, where their number is the method's choice (`lightcuts`), ...
+    pub(crate) connections: u64,
+    /// ... and how often a pixel in a pass would have needed more than allowed.
+    pub(crate) capped: u64,
     /// Samples that were not finite.
     pub(crate) non_finite: u64,
     /// Most memory that this process had at once, bytes; where the system tells.

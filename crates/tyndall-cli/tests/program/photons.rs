@@ -3,7 +3,7 @@
 use crate::Folder;
 
 /// Every one and every estimator, at a size that takes no time.
-const CHOICES: [&str; 30] = [
+const CHOICES: [&str; 33] = [
     "-i photonmap --set steps=3",
     "-i photonmap --set steps=3 --set final_gather=true --set reuse=2",
     "-i vpm --set steps=3 --set neighbours=5",
@@ -33,6 +33,9 @@ const CHOICES: [&str; 30] = [
     "-i vpl --set clamp=10 --set lights=4",
     "-i vrl --set extent=long --set lights=4",
     "-i vbl --set reuse=2 --set lights=4",
+    "-i vsl --set lights=4",
+    "-i vrl --set product=always --set clamp=10 --set compensation=approximate --set lights=4",
+    "-i lightcuts --set max_cut=100 --set samples=2",
     COMPOSITE,
 ];
 

@@ -5,6 +5,7 @@
 //! the query, D of the datum and J of the blur, `Q + D + J - 3` one-dimensional integrals are left to be sampled (on
 //! surfaces 2 stands for 3). A negative number means unresolved delta functions: such a pair does not compile.
 
+pub mod cells;
 pub mod connect;
 pub mod equiangular;
 pub mod gather;

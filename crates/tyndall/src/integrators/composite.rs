@@ -116,6 +116,8 @@ impl Integrator for Composite {
         let add = |a: Counts, b: Counts| Counts {
             light_paths: a.light_paths + b.light_paths,
             photons: a.photons + b.photons,
+            connections: a.connections + b.connections,
+            capped: a.capped + b.capped,
         };
         self.parts.iter().map(|part| part.counts()).fold(Counts::default(), add)
     }

@@ -47,6 +47,10 @@ pub struct Counts {
     pub light_paths: u64,
     /// Points, beams, planes and vertices that they left.
     pub photons: u64,
+    /// Edges between lights and what they light, where their number is the method's choice.
+    pub connections: u64,
+    /// Pixels in whose passes that number was not enough for the bound on the error.
+    pub capped: u64,
 }
 
 /// An algorithm that renders tiles.
@@ -148,6 +152,7 @@ pub static REGISTRY: &[IntegratorInfo] = &[
     virtual_lights::registry::VSL,
     virtual_lights::registry::VRL,
     virtual_lights::registry::VBL,
+    virtual_lights::registry::LIGHTCUTS,
     composite::INFO,
 ];
 
@@ -189,6 +194,26 @@ struct Sample {
     weight: f32,
 }
 
+/// A pixel of the tile.
+#[derive(Clone, Copy, Debug)]
+struct Pixel {
+    /// Column and row on the whole film.
+    at: [u32; 2],
+    /// Index on the whole film, row by row: a crop shows the same samples.
+    index: u64,
+    /// Number in the tile, row by row.
+    place: usize,
+}
+
+impl Pixel {
+    /// A position on the whole film that the filter chooses, pixels, and the weight of what is seen there.
+    #[inline(always)]
+    fn sample(&self, scene: &Scene, sampler: &mut Sampler) -> (Vec2, f32) {
+        let (offset, weight) = scene.filter.sample(sampler.vec2());
+        (Vec2::new(self.at[0] as f32 + 0.5, self.at[1] as f32 + 0.5) + offset, weight)
+    }
+}
+
 /// Adds one sample of `radiance` per pass to every pixel of the tile.
 #[inline(always)]
 fn sample_pixels(
@@ -197,19 +222,29 @@ fn sample_pixels(
     pixels: &mut [PixelSum],
     mut radiance: impl FnMut(Sample, &mut Sampler) -> Spectrum,
 ) -> RareEvents {
+    each_pixel(scene, job, pixels, |pixel, pass| {
+        let mut sampler = Sampler::new(job.seed, pixel.index, pass);
+        let (film, weight) = pixel.sample(scene, &mut sampler);
+        weight * radiance(Sample { film, pixel: pixel.index, pass, place: pixel.place, weight }, &mut sampler)
+    })
+}
+
+/// Adds a `radiance` per pass to every pixel of the tile.
+#[inline(always)]
+fn each_pixel(
+    scene: &Scene,
+    job: &Job,
+    pixels: &mut [PixelSum],
+    mut radiance: impl FnMut(Pixel, u32) -> Spectrum,
+) -> RareEvents {
     let mut rare = RareEvents::default();
     let (crop_x, crop_y) = scene.crop_origin();
     let width = u64::from(scene.film.width);
     for (i, sum) in pixels.iter_mut().enumerate() {
-        let x = crop_x + job.tile.x + i as u32 % job.tile.width;
-        let y = crop_y + job.tile.y + i as u32 / job.tile.width;
+        let at = [crop_x + job.tile.x + i as u32 % job.tile.width, crop_y + job.tile.y + i as u32 / job.tile.width];
+        let pixel = Pixel { at, index: u64::from(at[1]) * width + u64::from(at[0]), place: i };
         for pass in job.passes.clone() {
-            // Keyed by the pixel of the whole film: a crop shows the same samples.
-            let pixel = u64::from(y) * width + u64::from(x);
-            let mut sampler = Sampler::new(job.seed, pixel, pass);
-            let (offset, weight) = scene.filter.sample(sampler.vec2());
-            let film = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + offset;
-            let radiance = weight * radiance(Sample { film, pixel, pass, place: i, weight }, &mut sampler);
+            let radiance = radiance(pixel, pass);
             if radiance.is_finite() {
                 sum.add(radiance);
             } else {

@@ -140,6 +140,11 @@ impl Options {
         })
     }
 
+    /// The same with another bound (1/m^2).
+    pub(super) fn bounded(self, bound: f32) -> Self {
+        Self { bound, ..self }
+    }
+
     /// Direct light of surfaces.
     pub(super) fn direct(parameters: &Parameters) -> Self {
         Self {

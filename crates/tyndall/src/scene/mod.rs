@@ -143,6 +143,12 @@ impl Scene {
         self.bounded[medium.0]
     }
 
+    /// The medium that all of space is filled with: the camera's, where no shape bounds one.
+    pub fn everywhere(&self) -> Option<MediumId> {
+        let bounds = |a: &Attachments| a.interior.is_some() || a.exterior.is_some();
+        self.camera_medium.filter(|_| !self.attachments.iter().any(bounds))
+    }
+
     /// The medium that light enters when it leaves `point` along `direction`: that of the side, where the shape bounds
     /// media, else `current`.
     #[inline(always)]

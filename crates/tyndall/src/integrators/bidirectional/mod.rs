@@ -48,7 +48,8 @@ impl Tally {
     }
 
     fn counts(&self) -> Counts {
-        Counts { light_paths: self.light_paths.load(Relaxed), photons: self.vertices.load(Relaxed) }
+        let (light_paths, photons) = (self.light_paths.load(Relaxed), self.vertices.load(Relaxed));
+        Counts { light_paths, photons, ..Counts::default() }
     }
 }
 
@@ -191,7 +192,7 @@ impl Integrator for Bidirectional {
     }
 
     fn prepare(&mut self, scene: &Scene, seed: u64, pass: u32) -> Result<u32, TraceError> {
-        let Counts { light_paths, photons } = self.stores.prepare(scene, &self.options, seed, pass)?;
+        let Counts { light_paths, photons, .. } = self.stores.prepare(scene, &self.options, seed, pass)?;
         self.tally.add(light_paths as usize, photons as usize);
         if self.options.joint && self.joints.is_empty() {
             self.joints = Joint::of_media(scene);

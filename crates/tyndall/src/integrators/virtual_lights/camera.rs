@@ -1,6 +1,6 @@
 //! The camera's walk, connected with lights.
 
-use super::{VirtualLights, wanted};
+use super::{VirtualLights, kept, wanted};
 use crate::Spectrum;
 use crate::estimators::connect::{join, join_ball};
 use crate::estimators::equiangular::Equiangular;
@@ -58,9 +58,7 @@ impl<'a> Seeker<'a> {
             false => join(self.scene, light, camera, sampler.rng()),
         };
         let Some(joined) = joined else { return Spectrum::ZERO };
-        let clamp = self.lights.options.clamp;
-        let kept = if clamp > 0.0 { (clamp / joined.spread).min(1.0) } else { 1.0 };
-        light.throughput * camera.throughput * joined.value * kept
+        light.throughput * camera.throughput * joined.value * kept(self.lights.options.clamp, joined.spread)
     }
 
     /// Whether light scattered `scatterings` times may scatter at a light and at a camera's vertex with that many before.
@@ -71,23 +69,32 @@ impl<'a> Seeker<'a> {
 }
 
 /// A camera's ray inside a medium.
-struct Stretch<'a> {
-    segment: &'a Segment<'a>,
-    ray: Ray,
-    length: f32,
+pub(super) struct Stretch<'a> {
+    pub(super) segment: &'a Segment<'a>,
+    pub(super) ray: Ray,
+    /// Metres.
+    pub(super) length: f32,
+}
+
+impl Stretch<'_> {
+    /// The vertex at distance `t` (metres), if it was chosen with density `pdf` (1/m); `profile` is that of the ray.
+    #[inline]
+    pub(super) fn vertex(&self, scene: &Scene, profile: &Profile, t: f32, pdf: f32) -> Vertex {
+        let Segment { medium, scatterings, leg, throughput, .. } = *self.segment;
+        let direction = self.ray.direction;
+        let position = self.ray.at(t);
+        let inside = scene.medium(medium);
+        let sigma_s = inside.sigma_s(position) * inside.phase().extinction_factor(position, direction);
+        let throughput = throughput * profile.at(t) * sigma_s / pdf;
+        Vertex { position, direction, throughput, scatterings, leg, scattering: Scattering::Medium { medium } }
+    }
 }
 
 impl Seeker<'_> {
     /// The vertex at distance `t` of the stretch, if it was chosen with density `pdf` (1/m).
     #[inline]
     fn vertex_at(&self, stretch: &Stretch, t: f32, pdf: f32) -> Vertex {
-        let Segment { medium, scatterings, leg, throughput, .. } = *stretch.segment;
-        let direction = stretch.ray.direction;
-        let position = stretch.ray.at(t);
-        let inside = self.scene.medium(medium);
-        let sigma_s = inside.sigma_s(position) * inside.phase().extinction_factor(position, direction);
-        let throughput = throughput * self.profile.at(t) * sigma_s / pdf;
-        Vertex { position, direction, throughput, scatterings, leg, scattering: Scattering::Medium { medium } }
+        stretch.vertex(self.scene, self.profile, t, pdf)
     }
 
     /// Light of a point, scattered on the stretch.

@@ -6,6 +6,7 @@
 
 mod camera;
 mod chosen;
+mod lightcuts;
 mod nearby;
 pub mod registry;
 
@@ -211,6 +212,11 @@ impl Integrator for VirtualLights {
             }
         })
     }
+}
+
+/// The part of 1/d^2 below `clamp` (1/m^2; 0 is none), as a share.
+fn kept(clamp: f32, spread: f32) -> f32 {
+    if clamp > 0.0 { (clamp / spread).min(1.0) } else { 1.0 }
 }
 
 /// Whether light that scatters there is wanted.

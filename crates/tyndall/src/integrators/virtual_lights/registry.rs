@@ -1,7 +1,9 @@
 //! The names of the family.
 
+use super::lightcuts::{self, Lightcuts};
 use super::{Compensation, Options, Product, VirtualLights};
 use crate::integrators::components::Components;
+use crate::integrators::parameters::parameter;
 use crate::integrators::photon_mapping::declared::{ABSORPTION, EXTENT, MEMORY, REUSE, photons};
 use crate::integrators::volpath::common::{HIDE_EMITTERS, MAX_DEPTH, RR_DEPTH};
 use crate::integrators::volpath::{self, RR_CAP, depth};
@@ -53,6 +55,13 @@ const COMPENSATION: ParameterInfo = ParameterInfo {
     description: "Whether paths are traced for the light that `clamp` cuts off (Kollig and Keller 2004), or the lights give it \
                   within media (Engelhardt et al. 2012), or it is missing.",
 };
+const TRACED: ParameterInfo = parameter(
+    "compensation",
+    ParameterKind::Choice(&["path", "none"]),
+    "path",
+    "",
+    "Whether paths are traced for the light that `clamp` cuts off (Kollig and Keller 2004), or it is missing.",
+);
 const RADIUS: ParameterInfo = ParameterInfo {
     name: "radius",
     kind: ParameterKind::Float,
@@ -60,6 +69,38 @@ const RADIUS: ParameterInfo = ParameterInfo {
     unit: "m",
     description: "Radius of the lights in the first pass; 0 is a tenth of the mean length of light's segments in media.",
 };
+
+const ERROR: ParameterInfo = parameter(
+    "error",
+    ParameterKind::Float,
+    "0.02",
+    "",
+    "Clusters are refined until none may give more than this share of the pixel's light; 0 joins all lights.",
+);
+const MAX_CUT: ParameterInfo = parameter(
+    "max_cut",
+    ParameterKind::Integer,
+    "1000",
+    "",
+    "Most pairs of clusters that a pixel is refined to, whatever their bounds; 0 is no limit.",
+);
+const PIXEL_SAMPLES: ParameterInfo =
+    parameter("samples", ParameterKind::Integer, "4", "", "Camera samples of a pixel in each pass: they share a cut.");
+const POINTS: ParameterInfo = parameter(
+    "points",
+    ParameterKind::Integer,
+    "8",
+    "",
+    "Points at which light is gathered on each stretch of a camera's ray through a dense medium; fewer in thin ones.",
+);
+const NEARNESS: ParameterInfo = parameter(
+    "clamp",
+    ParameterKind::Float,
+    "-1",
+    "1/m^2",
+    "Bound on one over the squared distance between lights and what they light; 0 is none, -1 follows from how densely \
+     the lights lie.",
+);
 
 /// Which lights there are.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -85,8 +126,7 @@ impl Kind {
 fn make(parameters: &Parameters, kind: Kind) -> Result<Box<dyn Integrator>, ParameterError> {
     let max_depth = depth(parameters, "max_depth")?;
     let camera_rules = Rules { max_depth, rr_depth: u32::MAX, rr_cap: RR_CAP, media: Media::Attenuate };
-    let weighted = parameters.text("absorption") == "weight";
-    let (rr_depth, rr_cap) = if weighted { (5, RR_CAP) } else { (0, 1.0) };
+    let (rr_depth, rr_cap) = roulette(parameters);
     let from_zero = "a number from 0";
     let components = Components::read(parameters)?;
     let clamp = if kind.has_radius() { 0.0 } else { parameters.number("clamp", |c| c >= 0.0, from_zero)? };
@@ -140,6 +180,36 @@ fn make(parameters: &Parameters, kind: Kind) -> Result<Box<dyn Integrator>, Para
     let bound = if compensation == Compensation::None { 0.0 } else { clamp };
     let path = volpath::Options::beside(parameters, components.intersection(given.complement()), bound)?;
     Ok(Box::new(VirtualLights::new(options, path)))
+}
+
+fn make_lightcuts(parameters: &Parameters) -> Result<Box<dyn Integrator>, ParameterError> {
+    let max_depth = depth(parameters, "max_depth")?;
+    let (rr_depth, rr_cap) = roulette(parameters);
+    let components = Components::read(parameters)?;
+    let clamp = parameters.number("clamp", |c| c >= 0.0 || c == -1.0, "-1 or a number from 0")?;
+    let compensates = clamp != 0.0 && parameters.text("compensation") == "path";
+    let options = lightcuts::Options {
+        camera_rules: Rules { max_depth, rr_depth: u32::MAX, rr_cap: RR_CAP, media: Media::Attenuate },
+        light_rules: Rules { max_depth, rr_depth, rr_cap, media: Media::Scatter },
+        photons: parameters.count("photons", 1, "a whole number from 1")?,
+        error: parameters.number("error", |e| e >= 0.0, "a number from 0")?,
+        max_cut: parameters.count("max_cut", 0, "a whole number from 0")?,
+        samples: parameters.count("samples", 1, "a whole number from 1")?,
+        points: parameters.count("points", 1, "a whole number from 1")?,
+        clamp: (clamp >= 0.0).then_some(clamp),
+        compensates,
+        reuse: parameters.count("reuse", 0, "a whole number from 0")?,
+        components,
+        memory: usize::try_from(parameters.bytes("memory")).unwrap_or(usize::MAX),
+    };
+    let given = if compensates { Components::NONE } else { Components::STRAIGHT };
+    let path = volpath::Options::beside(parameters, components.intersection(given.complement()), clamp.max(0.0))?;
+    Ok(Box::new(Lightcuts::new(options, path)))
+}
+
+/// When and how roulette ends light paths.
+fn roulette(parameters: &Parameters) -> (u32, f32) {
+    if parameters.text("absorption") == "weight" { (5, RR_CAP) } else { (0, 1.0) }
 }
 
 /// Declares an entry: what all have, and what it has besides.
@@ -197,3 +267,28 @@ pub const VBL: IntegratorInfo = entry!(
     Kind::Beams,
     [PRODUCT, EXTENT, RADIUS]
 );
+
+/// The registry's entry of `lightcuts`.
+pub const LIGHTCUTS: IntegratorInfo = IntegratorInfo {
+    name: "lightcuts",
+    aliases: &[],
+    summary: "Multidimensional lightcuts: all virtual point lights at once, in clusters as fine as a pixel needs.",
+    source: "Walter, Arbree, Bala and Greenberg 2006; Kollig and Keller 2004",
+    parameters: &[
+        photons("10000"),
+        ERROR,
+        MAX_CUT,
+        PIXEL_SAMPLES,
+        POINTS,
+        NEARNESS,
+        TRACED,
+        ABSORPTION,
+        REUSE,
+        Components::PARAMETER,
+        MAX_DEPTH,
+        RR_DEPTH,
+        HIDE_EMITTERS,
+        MEMORY,
+    ],
+    make: make_lightcuts,
+};

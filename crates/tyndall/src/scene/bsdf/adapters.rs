@@ -1,6 +1,6 @@
 //! Models made of other models: masks, two-sided surfaces and blends.
 
-use super::{BsdfSample, Bsdfs, Event, SurfaceContext, Transport};
+use super::{BsdfSample, Bsdfs, Ceiling, Event, SurfaceContext, Transport};
 use crate::Spectrum;
 use crate::math::{PerSolidAngle, Vec2, Vec3};
 use crate::scene::desc::BsdfId;
@@ -49,6 +49,11 @@ impl Mask {
         let opacity = self.opacity(&ctx.texture);
         let (value, pdf) = bsdfs.eval(self.nested, ctx, wo, wi, transport);
         (value * opacity, pdf * opacity)
+    }
+
+    pub(super) fn ceiling(&self, bsdfs: &Bsdfs, ctx: &SurfaceContext, wo: Vec3) -> Option<Ceiling> {
+        let Ceiling { value, cosine } = bsdfs.ceiling(self.nested, ctx, wo)?;
+        Some(Ceiling { value: value * self.opacity(&ctx.texture), cosine })
     }
 
     #[inline]
@@ -100,6 +105,11 @@ impl TwoSided {
         let (model, sign) = self.side(wo);
         let [wo, wi] = [wo, wi].map(|w| Vec3::new(w.x, w.y, w.z * sign));
         bsdfs.eval(model, ctx, wo, wi, transport)
+    }
+
+    pub(super) fn ceiling(&self, bsdfs: &Bsdfs, ctx: &SurfaceContext, wo: Vec3) -> Option<Ceiling> {
+        let (model, sign) = self.side(wo);
+        bsdfs.ceiling(model, ctx, Vec3::new(wo.x, wo.y, wo.z * sign))
     }
 
     #[inline]
@@ -157,6 +167,12 @@ impl Blend {
         let (first, first_pdf) = bsdfs.eval(self.first, ctx, wo, wi, transport);
         let (second, second_pdf) = bsdfs.eval(self.second, ctx, wo, wi, transport);
         (first.lerp(second, weight), first_pdf * (1.0 - weight) + second_pdf * weight)
+    }
+
+    pub(super) fn ceiling(&self, bsdfs: &Bsdfs, ctx: &SurfaceContext, wo: Vec3) -> Option<Ceiling> {
+        let (first, second) = (bsdfs.ceiling(self.first, ctx, wo)?, bsdfs.ceiling(self.second, ctx, wo)?);
+        let value = first.value.lerp(second.value, self.weight(&ctx.texture));
+        Some(Ceiling { value, cosine: first.cosine && second.cosine })
     }
 
     #[inline]

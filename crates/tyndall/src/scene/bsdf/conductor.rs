@@ -1,7 +1,7 @@
 //! Metals, smooth and rough.
 
 use super::microfacet::Roughness;
-use super::{BsdfSample, Event, fresnel};
+use super::{BsdfSample, Ceiling, Event, fresnel};
 use crate::Spectrum;
 use crate::math::{PerSolidAngle, Vec2, Vec3};
 use crate::scene::texture::{Texture, TexturePoint};
@@ -76,6 +76,16 @@ impl RoughConductor {
             pdf: PerSolidAngle(pdf),
             event: Event::REFLECTION,
         })
+    }
+
+    #[inline]
+    pub(super) fn ceiling(&self, point: &TexturePoint, wo: Vec3) -> Ceiling {
+        if !(wo.z > 0.0) {
+            return Ceiling::NOTHING;
+        }
+        let distribution = self.roughness.at(point);
+        let facets = distribution.peak() * distribution.masking(wo, wo) / (4.0 * wo.z);
+        Ceiling { value: self.metal.specular_reflectance.eval(point) * facets, cosine: false }
     }
 
     #[inline]

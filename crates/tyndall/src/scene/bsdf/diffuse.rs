@@ -1,9 +1,10 @@
 //! Lambert's law.
 
-use super::{BsdfSample, Event};
+use super::{BsdfSample, Ceiling, Event};
 use crate::Spectrum;
 use crate::math::{PerSolidAngle, Vec2, Vec3, warp};
 use crate::scene::texture::{Texture, TexturePoint};
+use std::f32::consts::FRAC_1_PI;
 
 /// Equal radiance into the upper half space.
 #[derive(Clone, Debug)]
@@ -21,6 +22,11 @@ impl Diffuse {
         let pdf = warp::cosine_hemisphere_pdf(wi.z);
         let sample = BsdfSample { wi, weight: self.reflectance.eval(point), pdf, event: Event::REFLECTION };
         (pdf.0 > 0.0).then_some(sample)
+    }
+
+    #[inline(always)]
+    pub(super) fn ceiling(&self, point: &TexturePoint, wo: Vec3) -> Ceiling {
+        if wo.z > 0.0 { Ceiling::cosine(self.reflectance.eval(point) * FRAC_1_PI) } else { Ceiling::NOTHING }
     }
 
     #[inline(always)]

@@ -109,6 +109,26 @@ impl BsdfSample {
     }
 }
 
+/// Bounds `f |cos(wi)|` over all `wi`, for one `wo`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ceiling {
+    /// The bound, 1/sr.
+    pub value: Spectrum,
+    /// Whether `value |cos(wi)|` is a bound as well, and nothing goes to the other side of the surface.
+    pub cosine: bool,
+}
+
+impl Ceiling {
+    /// Nothing is scattered.
+    pub const NOTHING: Self = Self { value: Spectrum::ZERO, cosine: true };
+
+    /// The bound `value |cos(wi)|`.
+    #[inline(always)]
+    pub(super) fn cosine(value: Spectrum) -> Self {
+        Self { value, cosine: true }
+    }
+}
+
 /// What can be known of a BSDF without a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Traits {

@@ -96,6 +96,19 @@ impl Distribution {
         if density * m.z > 1e-20 { density } else { 0.0 }
     }
 
+    /// The largest density of any normal, 1/sr.
+    #[inline]
+    pub fn peak(&self) -> f32 {
+        // Slopes are bounded by those of the greater roughness; beyond a certain one the largest density is off the axis.
+        let rough2 = self.alpha.max_element() * self.alpha.max_element();
+        let off_axis = match self.kind {
+            Microfacets::Beckmann if 2.0 * rough2 > 1.0 => 4.0 * rough2 * rough2 * (1.0 / rough2 - 2.0).exp(),
+            Microfacets::Beckmann => 1.0,
+            Microfacets::Ggx => (rough2 * rough2).max(1.0),
+        };
+        off_axis / (PI * self.alpha.x * self.alpha.y)
+    }
+
     /// Share of the facets of normal `m` that see `v`; `v` may be on either side.
     #[inline(always)]
     pub fn masking(&self, v: Vec3, m: Vec3) -> f32 {

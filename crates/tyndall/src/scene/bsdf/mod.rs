@@ -29,7 +29,7 @@ pub use compile::BsdfError;
 pub use conductor::{Conductor, Metal, RoughConductor};
 pub use dielectric::{Dielectric, ThinDielectric};
 pub use diffuse::Diffuse;
-pub use interaction::{BsdfSample, Event, SurfaceContext, Traits, Transport};
+pub use interaction::{BsdfSample, Ceiling, Event, SurfaceContext, Traits, Transport};
 pub use perturbed::{Perturbed, Relief};
 pub use plastic::{Plastic, RoughPlastic};
 pub use principled::Principled;
@@ -128,6 +128,23 @@ impl Bsdfs {
             Bsdf::Blend(model) => model.eval(self, ctx, wo, wi, transport),
             Bsdf::Perturbed(model) => model.eval(self, ctx, wo, wi, transport),
             Bsdf::Dielectric(_) | Bsdf::ThinDielectric(_) | Bsdf::Conductor(_) | Bsdf::Null => NOTHING,
+        }
+    }
+
+    /// A bound of what [`Self::eval`] answers for `wo` and any `wi`, in either transport; `None` where the model knows none.
+    /// Models that know one only reflect, and are reciprocal.
+    pub fn ceiling(&self, id: BsdfId, ctx: &SurfaceContext, wo: Vec3) -> Option<Ceiling> {
+        let point = &ctx.texture;
+        match &self.models[id.0] {
+            Bsdf::Diffuse(model) => Some(model.ceiling(point, wo)),
+            Bsdf::RoughConductor(model) => Some(model.ceiling(point, wo)),
+            Bsdf::Plastic(model) => Some(model.ceiling(point, wo)),
+            Bsdf::RoughPlastic(model) => Some(model.ceiling(point, wo)),
+            Bsdf::Mask(model) => model.ceiling(self, ctx, wo),
+            Bsdf::TwoSided(model) => model.ceiling(self, ctx, wo),
+            Bsdf::Blend(model) => model.ceiling(self, ctx, wo),
+            Bsdf::Dielectric(_) | Bsdf::ThinDielectric(_) | Bsdf::Conductor(_) | Bsdf::Null => Some(Ceiling::NOTHING),
+            Bsdf::RoughDielectric(_) | Bsdf::Principled(_) | Bsdf::PrincipledThin(_) | Bsdf::Perturbed(_) => None,
         }
     }
 

@@ -1,12 +1,13 @@
 //! A diffuse base under a dielectric coat, smooth or rough.
 
 use super::microfacet::Distribution;
-use super::{BsdfSample, Event, fresnel, quadrature};
+use super::{BsdfSample, Ceiling, Event, fresnel, quadrature};
 use crate::Spectrum;
 use crate::math::{PerSolidAngle, Vec2, Vec3, warp};
 use crate::scene::desc::Microfacets;
 use crate::scene::texture::{Texture, TexturePoint};
 use rayon::prelude::*;
+use std::f32::consts::FRAC_1_PI;
 
 /// The diffuse base, with the light that the coat throws back onto it.
 #[derive(Clone, Debug)]
@@ -87,6 +88,15 @@ impl Plastic {
         let (f_i, _) = fresnel::dielectric(wi.z, self.eta);
         let weight = self.base.albedo(point) * ((1.0 - f_o) * (1.0 - f_i) / (1.0 - specular));
         (pdf.0 > 0.0).then_some(BsdfSample { wi, weight, pdf, event: Event::REFLECTION })
+    }
+
+    #[inline]
+    pub(super) fn ceiling(&self, point: &TexturePoint, wo: Vec3) -> Ceiling {
+        if !(wo.z > 0.0) {
+            return Ceiling::NOTHING;
+        }
+        let (f_o, _) = fresnel::dielectric(wo.z, self.eta);
+        Ceiling::cosine(self.base.albedo(point) * ((1.0 - f_o) * FRAC_1_PI))
     }
 
     #[inline]
@@ -173,6 +183,16 @@ impl RoughPlastic {
             warp::square_to_cosine_hemisphere(u2)
         };
         BsdfSample::evaluated(wi, self.eval(point, wo, wi), Event::REFLECTION)
+    }
+
+    #[inline]
+    pub(super) fn ceiling(&self, point: &TexturePoint, wo: Vec3) -> Ceiling {
+        if !(wo.z > 0.0) {
+            return Ceiling::NOTHING;
+        }
+        let coat = self.distribution.peak() * self.distribution.masking(wo, wo) / (4.0 * wo.z);
+        let base = self.base.albedo(point) * (self.transmittance(wo.z) * FRAC_1_PI);
+        Ceiling { value: self.specular_reflectance.eval(point) * coat + base, cosine: false }
     }
 
     #[inline]

@@ -37,6 +37,12 @@ impl Blend {
         first + self.weight * (second - first)
     }
 
+    /// Upper bound of the value, 1/sr, over a range of cosines.
+    pub fn ceiling(&self, cos: [f32; 2]) -> f32 {
+        let (first, second) = (self.first.ceiling(cos), self.second.ceiling(cos));
+        first + self.weight * (second - first)
+    }
+
     /// A direction with the density of the value; `u1` chooses the function and is stretched for the next blend inside.
     pub fn sample(&self, x: Vec3, d_in: Vec3, u1: f32, u2: Vec2) -> (Vec3, PerSolidAngle) {
         const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;

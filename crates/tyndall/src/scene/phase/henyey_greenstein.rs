@@ -59,6 +59,13 @@ impl HenyeyGreenstein {
         (1.0 + g2) / ((1.0 - g2) * (1.0 - g2))
     }
 
+    /// Upper bound of the value, 1/sr, over a range of cosines: the function is monotonous.
+    #[inline(always)]
+    pub fn ceiling(&self, cos: [f32; 2]) -> f32 {
+        let cos = if self.sign > 0.0 { cos[1] } else { -cos[0] };
+        self.value(2.0 - 2.0 * cos.min(1.0))
+    }
+
     /// Value at the squared chord from the axis to the direction.
     #[inline(always)]
     fn value(&self, chord_squared: f32) -> f32 {

@@ -192,6 +192,20 @@ impl Phase {
         }
     }
 
+    /// Upper bound of the value, 1/sr, everywhere and for all directions between which the cosine is `cos[0]` to `cos[1]`.
+    #[inline]
+    pub fn ceiling(&self, cos: [f32; 2]) -> f32 {
+        match self {
+            Self::Isotropic => isotropic::VALUE,
+            Self::HenyeyGreenstein(model) => model.ceiling(cos),
+            // The function is convex.
+            Self::Rayleigh => rayleigh::eval(cos[0]).max(rayleigh::eval(cos[1])),
+            Self::Tabulated(model) => model.ceiling(cos),
+            Self::Sggx(model) => model.ceiling(),
+            Self::Blend(model) => model.ceiling(cos),
+        }
+    }
+
     /// Whether [`Phase::extinction_factor`] is other than 1.
     #[inline(always)]
     pub fn is_anisotropic_medium(&self) -> bool {

@@ -18,6 +18,8 @@ pub struct Sggx {
     field: Field,
     /// Square root of the largest eigenvalue anywhere.
     max_area: f32,
+    /// Upper bound of the value anywhere, 1/sr.
+    ceiling: f32,
 }
 
 #[derive(Clone, Debug)]
@@ -32,19 +34,27 @@ impl Sggx {
         let VolumeDesc::Grid { grid, to_world, filter, wrap } = matrix else { return Err(PhaseError::MatrixConstant) };
         let compiled = Grid::compile(grid, to_world, *filter, *wrap, Matrix::from_channels)?;
         let mut max_eigenvalue = 0.0_f64;
+        let (mut min_eigenvalue, mut min_determinant) = (f64::INFINITY, f64::INFINITY);
         for (i, values) in grid.values.chunks_exact(6).enumerate() {
             let values: [f32; 6] = std::array::from_fn(|c| values[c]);
             if !is_positive_definite(values.map(f64::from)) {
                 let [nx, ny, _] = grid.size;
                 return Err(PhaseError::MatrixSingular { voxel: [i % nx, i / nx % ny, i / nx / ny], matrix: values });
             }
-            max_eigenvalue = max_eigenvalue.max(largest_eigenvalue(values.map(f64::from)));
+            let matrix = values.map(f64::from);
+            max_eigenvalue = max_eigenvalue.max(largest_eigenvalue(matrix));
+            min_eigenvalue = min_eigenvalue.min(-largest_eigenvalue(matrix.map(|x| -x)));
+            min_determinant = min_determinant.min(determinant(matrix));
         }
+        // Of mixtures, the largest eigenvalue is at most that of the parts, the least and the determinant at least.
+        let ceiling = 0.25 * std::f64::consts::FRAC_1_PI * max_eigenvalue * max_eigenvalue
+            / (min_determinant.max(0.0) * min_eigenvalue.max(0.0)).sqrt();
         let first = Matrix::from_channels(&grid.values[..6]);
         let same = grid.values.chunks_exact(6).all(|v| v == &grid.values[..6]);
         Ok(Self {
             field: if same { Field::Same(first) } else { Field::Varying(Box::new(compiled)) },
             max_area: (max_eigenvalue.sqrt() * (1.0 + 1e-6)) as f32,
+            ceiling: (ceiling * (1.0 + 1e-4)) as f32,
         })
     }
 
@@ -69,6 +79,11 @@ impl Sggx {
             Field::Same(matrix) => matrix.projected_area(d),
             Field::Varying(_) => self.max_area,
         }
+    }
+
+    /// Upper bound of the value for all directions anywhere, 1/sr: infinite where the flakes are too flat to tell.
+    pub fn ceiling(&self) -> f32 {
+        self.ceiling
     }
 
     /// Value, 1/sr: `D(h) / (4 sigma(d_in))` with the half vector h.
@@ -197,6 +212,11 @@ fn is_positive_definite([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> bool {
     xx > tiny && pivot_y > tiny && pivot_z > tiny
 }
 
+/// The determinant of xx, yy, zz, xy, xz, yz.
+fn determinant([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> f64 {
+    xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
+}
+
 /// The largest eigenvalue of a symmetric matrix (Smith 1961, trigonometric solution of the cubic).
 fn largest_eigenvalue([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> f64 {
     let mean = (xx + yy + zz) / 3.0;
@@ -205,7 +225,6 @@ fn largest_eigenvalue([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> f64 {
     if spread == 0.0 {
         return mean;
     }
-    let determinant = a * (b * c - yz * yz) - xy * (xy * c - yz * xz) + xz * (xy * yz - b * xz);
-    let angle = (determinant / (2.0 * spread.powi(3))).clamp(-1.0, 1.0).acos() / 3.0;
+    let angle = (determinant([a, b, c, xy, xz, yz]) / (2.0 * spread.powi(3))).clamp(-1.0, 1.0).acos() / 3.0;
     mean + 2.0 * spread * angle.cos()
 }

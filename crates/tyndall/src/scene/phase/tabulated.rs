@@ -57,6 +57,14 @@ impl Tabulated {
         (2.0 * TAU * TAU * squares / f64::from(self.resolution)) as f32
     }
 
+    /// Upper bound of the value, 1/sr, over a range of cosines.
+    pub fn ceiling(&self, cos: [f32; 2]) -> f32 {
+        let node = |cos: f32| ((cos + 1.0).max(0.0) * self.resolution).min((self.values.len() - 1) as f32);
+        let (first, last) = (node(cos[0]).ceil() as usize, node(cos[1]).floor() as usize);
+        let ends = self.eval(cos[0]).max(self.eval(cos[1]));
+        self.values.get(first..=last).into_iter().flatten().copied().fold(ends, f32::max)
+    }
+
     /// A direction with the density of the value.
     #[inline]
     pub fn sample(&self, d_in: Vec3, u: Vec2) -> (Vec3, PerSolidAngle) {

@@ -263,3 +263,25 @@ fn wrong_parameters_are_errors() {
     assert!(matches!(error(flakes([1, 1, 2], FLAKES.to_vec())), PhaseError::Volume(VolumeError::Length { .. })));
     assert_eq!(error(PhaseDesc::Sggx { matrix: VolumeDesc::constant([1.0; 3]) }), PhaseError::MatrixConstant);
 }
+
+#[test]
+fn ceilings_are_above_all_values() {
+    for (seed, (name, desc)) in all().into_iter().enumerate() {
+        let phase = compile(&desc);
+        let mut rng = Rng::keyed(9, seed as u64, 0);
+        for _ in 0..20_000 {
+            let (d_in, x) = (unit(&mut rng), Vec3::new(rng.f32(), rng.f32(), rng.f32()));
+            let d_out = if rng.f32() < 0.5 { unit(&mut rng) } else { phase.sample(x, d_in, rng.f32(), rng.vec2()).0 };
+            // Not the product, which has no digits left in a peak.
+            let cos = match d_in.dot(d_out) > 0.0 {
+                true => 1.0 - 0.5 * (d_out - d_in).length_squared(),
+                false => 0.5 * (d_out + d_in).length_squared() - 1.0,
+            };
+            let value = phase.eval(x, d_in, d_out);
+            for range in [[cos, cos], [cos - 0.3 * rng.f32(), cos + 0.3 * rng.f32()], [-1.0, 1.0]] {
+                let ceiling = phase.ceiling(range.map(|c| c.clamp(-1.0, 1.0)));
+                assert!(value <= ceiling * 1.001, "{name} at {cos} in {range:?}: {value} above {ceiling}");
+            }
+        }
+    }
+}

@@ -1,7 +1,7 @@
 //! Samplers follow their densities.
 
 use super::*;
-use crate::math::Rng;
+use crate::math::{Rng, warp};
 use tyndall_testkit::chi2;
 
 /// The directions from which a model scatters.
@@ -78,4 +78,33 @@ fn the_seen_side_and_the_lobe_choice_leave_no_gap() {
         let (sampled, uniform) = (sampled / f64::from(n), uniform / f64::from(n));
         assert!((sampled / uniform - 1.0).abs() < 0.03, "{name}: {sampled} sampled, {uniform} integrated");
     }
+}
+
+#[test]
+fn ceilings_are_above_all_values() {
+    let mut known = 0;
+    for name in SMOOTH {
+        let probe = Probe::named(name);
+        let mut rng = Rng::keyed(8, 0, 0);
+        for wo in
+            directions().into_iter().chain((0..50).map(|_| warp::square_to_sphere(rng.vec2())).collect::<Vec<_>>())
+        {
+            let Some(ceiling) = probe.bsdfs.ceiling(probe.root, &probe.context(), wo) else { continue };
+            known += 1;
+            for _ in 0..500 {
+                let mirror = Vec3::new(-wo.x, -wo.y, wo.z);
+                let near = mirror + 0.3 * rng.f32() * warp::square_to_sphere(rng.vec2());
+                let wi = if rng.f32() < 0.5 { near.normalize() } else { warp::square_to_sphere(rng.vec2()) };
+                let value = probe.eval(wo, wi, Transport::Radiance).0;
+                let swapped = probe.eval(wi, wo, Transport::Radiance).0 * (wi.z / wo.z).abs();
+                let cos = if !ceiling.cosine { 1.0 } else { (wi.z * wo.z.signum()).max(0.0) };
+                for c in 0..3 {
+                    let most = 1.001 * ceiling.value[c] * cos;
+                    assert!(value[c] <= most, "{name} {wo} {wi}: {value:?} above {ceiling:?}");
+                    assert!(swapped[c] <= most, "{name} {wi} {wo}: {swapped:?} above {ceiling:?}");
+                }
+            }
+        }
+    }
+    assert!(known > 600, "{known}");
 }
