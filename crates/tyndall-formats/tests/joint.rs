@@ -74,7 +74,7 @@ const PHASES: [&str; 5] = [
 
 const GREY: &str =
     r#"<rgb name="sigma_t" value="1"/><float name="scale" value="1.5"/><rgb name="albedo" value="0.9"/>"#;
-const COLOURED: &str = r#"<rgb name="sigma_t" value="1, 0.4, 0.1"/><float name="scale" value="3"/><rgb name="albedo" value="0.9, 0.7, 0.95"/>"#;
+const COLOURED: &str = r#"<rgb name="sigma_t" value="1, 0.4, 0.1"/><float name="scale" value="2"/><rgb name="albedo" value="0.9, 0.7, 0.95"/>"#;
 
 /// A cube of that wall full of fog, a small lamp and a floor in it.
 fn room(name: &str, fog: &str, phase: &str, wall: &str, more: &str) -> Case {
@@ -89,7 +89,7 @@ fn room(name: &str, fog: &str, phase: &str, wall: &str, more: &str) -> Case {
     <medium type="homogeneous" id="fog">{fog}{phase}</medium>
     <shape type="cube">{wall}<ref name="interior" id="fog"/></shape>
     <shape type="sphere">
-        <point name="center" x="0.3" y="0.2" z="0.2"/><float name="radius" value="0.15"/>
+        <point name="center" x="0.3" y="0.2" z="0.2"/><float name="radius" value="0.25"/>
         <emitter type="area"><rgb name="radiance" value="10, 9, 8"/></emitter>
     </shape>
     <shape type="rectangle">
