@@ -265,7 +265,15 @@ const CONNECTIONS: Effort = Effort {
     light: LightDensity::UNKNOWN,
 };
 
-const ALL: Effort = Effort { surface: 7.0, point_point: 0.6, beam_point: 3.0, beam_beam: 11.0, ..CONNECTIONS };
+const ALL: Effort = Effort {
+    connect: 1.0,
+    lens: 576.0,
+    surface: 7.0,
+    point_point: 0.6,
+    beam_point: 3.0,
+    beam_beam: 11.0,
+    light: LightDensity::UNKNOWN,
+};
 
 #[test]
 fn weights_of_connections_sum_to_one() {
