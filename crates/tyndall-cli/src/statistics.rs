@@ -26,8 +26,10 @@ pub(crate) struct Statistics {
     /// Points, beams and planes that they left.
     pub(crate) photons: u64,
     /// Edges between lights and what they light, where their number is the method's choice (`lightcuts`), ...
+    #[serde(default)]
     pub(crate) connections: u64,
     /// ... and how often a pixel in a pass would have needed more than allowed.
+    #[serde(default)]
     pub(crate) capped: u64,
     /// Samples that were not finite.
     pub(crate) non_finite: u64,
@@ -59,4 +61,19 @@ pub(crate) fn peak_memory(process: Option<u32>) -> Option<u64> {
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     Some(kibibytes * 1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Statistics;
+
+    /// Comparisons begun by an earlier program go on.
+    #[test]
+    fn statistics_from_before_connections_were_counted_are_read() {
+        let mut old = serde_json::to_value(Statistics { samples: 3, ..Statistics::default() }).unwrap();
+        let fields = old.as_object_mut().unwrap();
+        assert!(fields.remove("connections").is_some() && fields.remove("capped").is_some());
+        let read: Statistics = serde_json::from_value(old).unwrap();
+        assert_eq!(read, Statistics { samples: 3, ..Statistics::default() });
+    }
 }
