@@ -2,18 +2,11 @@
 
 mod common;
 
-use common::{agrees, integrator, mean, scene};
+use common::{agrees, integrator, max_depth, mean, scene};
 use tyndall::render::Picture;
 use tyndall::{Rendering, Settings};
 use tyndall_testkit::corpus::{self, CHROMATIC, Case, Infinite, infinite, ramp_volume};
 use tyndall_testkit::ztest::{Moments, sidak, two_sided_p};
-
-/// The parameter of the scene's own integrator.
-fn max_depth(case: &Case) -> String {
-    let name = r#"name="max_depth" value=""#;
-    let at = case.xml.find(name).unwrap() + name.len();
-    case.xml[at..].split('"').next().unwrap().into()
-}
 
 #[test]
 fn whole_corpus() {

@@ -2,18 +2,11 @@
 
 mod common;
 
-use common::{agrees, integrator, mean, scene};
+use common::{agrees, furnaces_of_all_kinds, integrator, max_depth, mean, scene};
 use tyndall::scene::desc::IntegratorDesc;
 use tyndall::{Rendering, Settings};
-use tyndall_testkit::corpus::{Case, Furnace, Infinite, furnace, furnace_room, infinite};
+use tyndall_testkit::corpus::{Case, Infinite, furnace_room, infinite};
 use tyndall_testkit::ztest::sidak;
-
-/// The parameter of the scene's own integrator.
-fn max_depth(case: &Case) -> String {
-    let name = r#"name="max_depth" value=""#;
-    let at = case.xml.find(name).unwrap() + name.len();
-    case.xml[at..].split('"').next().unwrap().into()
-}
 
 /// One pixel, and every pass its own light paths: passes are independent.
 fn check(name: &str, set: &[(&str, &str)], case: &Case, truth: [f64; 3], precision: f64) {
@@ -84,15 +77,7 @@ fn chromatic_triple_scattering() {
 
 #[test]
 fn furnaces() {
-    for case in [
-        furnace("isotropic", Furnace::default()),
-        furnace("forward", Furnace { g: 0.7, ..Furnace::default() }),
-        furnace("chromatic", Furnace { sigma_t: [3.0, 1.0, 0.3], ..Furnace::default() }),
-        furnace("glass", Furnace { glass: true, ..Furnace::default() }),
-        furnace("ramp", Furnace { ramp: true, ..Furnace::default() }),
-        furnace("lens", Furnace { lens: true, sigma_t: [0.7; 3], ..Furnace::default() }),
-        furnace_room(0.5),
-    ] {
+    for case in furnaces_of_all_kinds() {
         for (kind, set) in &KINDS[..5] {
             check(kind, set, &case, case.radiance, 0.015);
         }

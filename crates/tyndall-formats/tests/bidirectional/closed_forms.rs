@@ -1,15 +1,8 @@
 //! Against closed forms: the whole corpus.
 
-use crate::common::{agrees, integrator, mean, scene};
+use crate::common::{agrees, integrator, max_depth, mean, scene};
 use tyndall_testkit::corpus::{self, Case};
 use tyndall_testkit::ztest::sidak;
-
-/// The parameter of the scene's own integrator.
-fn max_depth(case: &Case) -> String {
-    let name = r#"name="max_depth" value=""#;
-    let at = case.xml.find(name).unwrap() + name.len();
-    case.xml[at..].split('"').next().unwrap().into()
-}
 
 /// Every subset of the techniques that find light in media.
 fn subsets() -> Vec<String> {

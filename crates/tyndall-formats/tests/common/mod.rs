@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use tyndall::scene::desc::{IntegratorDesc, ParameterValue};
 use tyndall::{Budget, Rendering, Scene, Settings};
 use tyndall_formats::mitsuba;
-use tyndall_testkit::corpus::Case;
+use tyndall_testkit::corpus::{Case, Furnace, furnace, furnace_room};
 use tyndall_testkit::ztest::two_sided_p;
 
 /// The scene of a case; `one_pixel` crops it to the first pixel, all of which see the same.
@@ -22,6 +22,26 @@ pub fn scene(case: &Case, one_pixel: bool) -> Scene {
         desc.film.crop = Some([0, 0, 1, 1]);
     }
     Scene::build(&desc).unwrap_or_else(|e| panic!("{}: {e}", case.name))
+}
+
+/// The parameter of the scene's own integrator.
+pub fn max_depth(case: &Case) -> String {
+    let name = r#"name="max_depth" value=""#;
+    let at = case.xml.find(name).unwrap() + name.len();
+    case.xml[at..].split('"').next().unwrap().into()
+}
+
+/// Furnaces full of media of all kinds, in glass too, and a room.
+pub fn furnaces_of_all_kinds() -> [Case; 7] {
+    [
+        furnace("isotropic", Furnace::default()),
+        furnace("forward", Furnace { g: 0.7, ..Furnace::default() }),
+        furnace("chromatic", Furnace { sigma_t: [3.0, 1.0, 0.3], ..Furnace::default() }),
+        furnace("glass", Furnace { glass: true, ..Furnace::default() }),
+        furnace("ramp", Furnace { ramp: true, ..Furnace::default() }),
+        furnace("lens", Furnace { lens: true, sigma_t: [0.7; 3], ..Furnace::default() }),
+        furnace_room(0.5),
+    ]
 }
 
 /// An integrator with parameters as on the command line.

@@ -194,6 +194,14 @@ struct Sample {
     weight: f32,
 }
 
+/// The set of light paths of a pass, where `reuse` passes share one (0: all do), and how many passes from this one on it serves.
+fn light_set(reuse: u32, pass: u32) -> (u32, u32) {
+    match reuse {
+        0 => (0, u32::MAX),
+        reuse => (pass / reuse, reuse - pass % reuse),
+    }
+}
+
 /// A pixel of the tile.
 #[derive(Clone, Copy, Debug)]
 struct Pixel {

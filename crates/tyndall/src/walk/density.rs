@@ -12,7 +12,7 @@ const IN_CELL: f32 = 16.0;
 /// Share of the places that are left out at each end of each axis, so that a few far ones do not spread the cells.
 const OUTLIERS: f32 = 0.01;
 
-/// Light paths' scatterings, counted in a coarse grid. Without counts nothing is known and all merges count.
+/// Light paths' scatterings, counted in a coarse grid. Where nothing is counted, all merges count.
 #[derive(Clone, Debug)]
 pub struct LightDensity {
     bounds: Aabb,
@@ -95,5 +95,49 @@ impl LightDensity {
     /// About how long beams are in a medium of that extinction (1/m), metres.
     pub fn beam_length(&self, sigma_t: f32) -> f32 {
         if sigma_t * self.extent > 1.0 { 1.0 / sigma_t } else { self.extent }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Rng;
+
+    /// Places in a box of 2 x 1 x 1 whose one half has three times as many.
+    fn places(count: u64) -> Vec<Vec3> {
+        let place = |i| {
+            let mut rng = Rng::keyed(5, 1, i);
+            let half = if i % 4 == 0 { 0.0 } else { 1.0 };
+            Vec3::new(half + rng.f32(), rng.f32(), rng.f32())
+        };
+        (0..count).map(place).collect()
+    }
+
+    #[test]
+    fn densities_are_those_of_the_places() {
+        let (media, paths) = (places(200_000), 1000);
+        let density = LightDensity::new(&media, &[], paths);
+        for (x, expected) in [(0.3, 50.0), (0.6, 50.0), (1.3, 150.0), (1.7, 150.0)] {
+            let mean = (0..1000_u64).map(|i| {
+                let mut rng = Rng::keyed(5, 2, i);
+                density.in_medium(Vec3::new(x + 0.1 * rng.f32(), 0.1 + 0.8 * rng.f32(), 0.1 + 0.8 * rng.f32()))
+            });
+            let mean = mean.sum::<f32>() / 1000.0;
+            assert!((mean / expected - 1.0).abs() < 0.05, "{x}: {mean} is not {expected}");
+        }
+        assert_eq!(density.in_medium(Vec3::new(5.0, 0.5, 0.5)), 0.0, "outside");
+        assert_eq!(density.on_surface(Vec3::new(1.5, 0.5, 0.5)), 0.0, "no surface");
+        assert_eq!(density.beam_length(100.0), 0.01);
+        assert!((density.beam_length(0.01) - 2.0).abs() < 0.1, "no longer than all");
+        assert_eq!(LightDensity::new(&[], &[], paths).in_medium(Vec3::ZERO), 0.0);
+    }
+
+    #[test]
+    fn far_places_do_not_spread_the_cells() {
+        let mut media = places(10_000);
+        media.extend([Vec3::splat(1e6), Vec3::splat(-1e6)]);
+        let density = LightDensity::new(&media, &media, 100);
+        assert!(density.in_medium(Vec3::new(1.5, 0.5, 0.5)) > 50.0);
+        assert!(density.on_surface(Vec3::new(1.5, 0.5, 0.5)) > 0.0);
     }
 }

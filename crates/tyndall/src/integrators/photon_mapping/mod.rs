@@ -13,7 +13,7 @@ pub(super) use self::options::declared;
 use self::camera::Gatherer;
 use self::options::{Estimator, Options, Selection};
 use super::shrinking::Shrinking;
-use super::{Counts, Integrator, Job, RareEvents, sample_pixels};
+use super::{Counts, Integrator, Job, RareEvents, light_set, sample_pixels};
 use crate::accel::{KdTree, Neighbours};
 use crate::film::Splats;
 use crate::film::pixels::PixelSum;
@@ -142,11 +142,8 @@ impl Integrator for PhotonMapping {
     }
 
     fn prepare(&mut self, scene: &Scene, seed: u64, pass: u32) -> Result<u32, TraceError> {
-        let (set, serves) = match (self.options.alpha.is_some(), self.options.reuse) {
-            (true, _) => (pass, 1),
-            (false, 0) => (0, u32::MAX),
-            (false, reuse) => (pass / reuse, reuse - pass % reuse),
-        };
+        let reuse = if self.options.alpha.is_some() { 1 } else { self.options.reuse };
+        let (set, serves) = light_set(reuse, pass);
         if self.set == Some(set) {
             return Ok(serves);
         }

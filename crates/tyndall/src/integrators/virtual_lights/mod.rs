@@ -15,7 +15,7 @@ use self::chosen::Choice;
 use self::nearby::Nearby;
 use super::components::Components;
 use super::volpath::{self, Volpath};
-use super::{Counts, Integrator, Job, RareEvents, sample_pixels};
+use super::{Counts, Integrator, Job, RareEvents, light_set, sample_pixels};
 use crate::film::Splats;
 use crate::film::pixels::PixelSum;
 use crate::photons::{Extent, LightPaths, TraceError, Tracing, Wanted};
@@ -171,10 +171,7 @@ impl Integrator for VirtualLights {
     }
 
     fn prepare(&mut self, scene: &Scene, seed: u64, pass: u32) -> Result<u32, TraceError> {
-        let (set, serves) = match self.options.reuse {
-            0 => (0, u32::MAX),
-            reuse => (pass / reuse, reuse - pass % reuse),
-        };
+        let (set, serves) = light_set(self.options.reuse, pass);
         if self.set == Some(set) {
             return Ok(serves);
         }

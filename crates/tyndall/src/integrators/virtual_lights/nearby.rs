@@ -6,6 +6,8 @@
 //! lights give, cut off again, and the rest of that. A walk of short steps estimates it, with direct light and a few of the
 //! lights at each. It ends soon, because little is scattered within R.
 //!
+//! The steps are no free flights, whose distances follow the transmittance: they follow the share that is missing and end at R.
+//!
 //! Approximate is that extinction is taken from both ends of a step; that the walk ends at the first surface, whose own
 //! rest is missing; and that direct light is found by sampling emitters alone, so not over smooth mirrors and glass.
 

@@ -38,8 +38,8 @@ pub const INFO: IntegratorInfo = IntegratorInfo {
 };
 
 impl Tracer<'_> {
-    /// [`Bend::jointly`].
-    #[inline]
+    /// [`Bend::jointly`]. Apart from the code of those who do without.
+    #[inline(never)]
     pub(super) fn jointly(
         &self,
         bend: &Bend,
@@ -54,7 +54,7 @@ impl Tracer<'_> {
     }
 
     /// Adds light that is scattered twice: last on `segment`, and before around it.
-    #[inline]
+    #[inline(never)]
     pub(super) fn connect_jointly(&mut self, segment: &Segment, stretch: &Stretch, sampler: &mut Sampler) {
         let mut history = self.history;
         history.scatter(true, false);

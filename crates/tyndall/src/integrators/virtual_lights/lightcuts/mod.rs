@@ -27,7 +27,7 @@ use crate::film::Splats;
 use crate::film::pixels::PixelSum;
 use crate::integrators::components::Components;
 use crate::integrators::volpath::{self, Volpath};
-use crate::integrators::{Counts, Integrator, Job, Pixel, RareEvents, each_pixel};
+use crate::integrators::{Counts, Integrator, Job, Pixel, RareEvents, each_pixel, light_set};
 use crate::math::{Rng, Sampler, Vec2, Vec3};
 use crate::photons::{Extent, LightPaths, TraceError, Tracing, Wanted};
 use crate::scene::Scene;
@@ -307,10 +307,7 @@ impl Integrator for Lightcuts {
     }
 
     fn prepare(&mut self, scene: &Scene, seed: u64, pass: u32) -> Result<u32, TraceError> {
-        let (set, serves) = match self.options.reuse {
-            0 => (0, u32::MAX),
-            reuse => (pass / reuse, reuse - pass % reuse),
-        };
+        let (set, serves) = light_set(self.options.reuse, pass);
         if self.set == Some(set) {
             return Ok(serves);
         }
