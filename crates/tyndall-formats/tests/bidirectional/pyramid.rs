@@ -133,11 +133,14 @@ fn agree(what: &str, found: &[(Technique, f64, f64)], precise: f64, blur: f64, t
     }
 }
 
+/// Pixels of what is built.
+const PIXELS: usize = 1024;
+
 fn built(parts: &str) -> Scene {
     let text = format!(
         r#"<scene version="3.0.0"><sensor type="perspective"><float name="fov" value="45"/>
             <transform name="to_world"><lookat origin="0, 0.2, 4.5" target="0, 0, 0" up="0, 1, 0"/></transform>
-            <film type="hdrfilm"><integer name="width" value="16"/><integer name="height" value="16"/>
+            <film type="hdrfilm"><integer name="width" value="32"/><integer name="height" value="32"/>
             <rfilter type="box"/></film></sensor>{parts}
             <shape type="rectangle"><transform name="to_world"><scale value="1.3"/><rotate x="1" angle="90"/>
                 <translate y="2"/></transform><bsdf type="diffuse"><rgb name="reflectance" value="0"/></bsdf>
@@ -156,11 +159,11 @@ fn every_join_finds_all_light_between_surfaces() {
         <shape type="rectangle"><transform name="to_world"><translate z="-2"/></transform>
             <bsdf type="diffuse"><rgb name="reflectance" value="0.8"/></bsdf></shape>"#,
     );
-    let found = alone(&scene, &described("bdpt", &[("max_depth", "3")]), 3, 800);
+    let found = alone(&scene, &described("bdpt", &[("max_depth", "3")]), 3, 200);
     agree("plates", &found, 0.02, 0.0, |technique| matches!(technique.depth(), Some(2..=3)));
     // Disks lose up to half of their light at the edge.
     let merged = [("max_depth", "3"), ("photons", "40000"), ("surface_radius", "0.06"), ("alpha", "1")];
-    let found = alone(&scene, &described("vcm", &merged), 3, 100);
+    let found = alone(&scene, &described("vcm", &merged), 3, 60);
     agree("plates", &found, 0.03, 0.03, |technique| matches!(technique, Technique::Merge { .. }));
 }
 
@@ -174,7 +177,7 @@ fn every_technique_finds_all_light_in_fog() {
     );
     // Disks and ribbons lose a part of their light at the boundary.
     let set = [("max_depth", "3"), ("photons", "16000"), ("beams", "2400"), ("radius", "0.03"), ("alpha", "1")];
-    let found = alone(&scene, &described("upbp", &set), 3, 200);
+    let found = alone(&scene, &described("upbp", &set), 3, 100);
     agree("fog", &found, 0.02, 0.02, |technique| match technique {
         Technique::Join { light, camera } => light + camera > 2 && (light < 2 || camera < 2),
         Technique::Merge { merging, .. } => matches!(merging, Merging::BeamPoint | Merging::BeamBeam),
@@ -184,7 +187,7 @@ fn every_technique_finds_all_light_in_fog() {
     // the brightest places.
     let set =
         [("max_depth", "3"), ("photons", "50000"), ("radius", "0.05"), ("alpha", "1"), ("techniques", "bpt,pp3d")];
-    let found = alone(&scene, &described("upbp", &set), 3, 200);
+    let found = alone(&scene, &described("upbp", &set), 3, 100);
     agree("fog", &found, 0.03, 0.056, |technique| matches!(technique, Technique::Merge { .. }));
 }
 
@@ -201,13 +204,13 @@ fn what_cannot_be_kept_is_an_error() {
         "`volpath` does not tell techniques apart: those that do are ptracer, bdpt, vcm, upbp"
     );
     // One pixel of one technique takes 48 bytes.
-    let found = error("bdpt", 9 * 256 * 48 - 1);
+    let found = error("bdpt", 9 * PIXELS * 48 - 1);
     assert_eq!(
         found,
-        "9 techniques of 16x16 pixels need 0 MiB, more than the 0 MiB allowed: take fewer pixels or a lower depth"
+        "9 techniques of 32x32 pixels need 0 MiB, more than the 0 MiB allowed: take fewer pixels or a lower depth"
     );
     let settings = Settings { integrator: Some(described("bdpt", &[])), ..Settings::default() };
-    assert!(Rendering::new(&scene, &settings).unwrap().keep_techniques(3, 9 * 256 * 48).is_ok());
+    assert!(Rendering::new(&scene, &settings).unwrap().keep_techniques(3, 9 * PIXELS * 48).is_ok());
 }
 
 #[test]
@@ -223,10 +226,10 @@ fn light_paths_and_what_they_leave_are_counted() {
         rendering.counts()
     };
     for (name, set, light_paths) in [
-        ("ptracer", &[][..], 3 * 256),
-        ("bdpt", &[], 3 * 256),
+        ("ptracer", &[][..], 3 * PIXELS as u64),
+        ("bdpt", &[], 3 * PIXELS as u64),
         // A sixteenth more where the camera's walk has scattered.
-        ("vcm", &[("photons", "160")], 3 * (256 + 160 + 10)),
+        ("vcm", &[("photons", "160")], 3 * (PIXELS as u64 + 160 + 10)),
         ("vcm", &[("photons", "160"), ("techniques", "surf")], 3 * (160 + 10)),
     ] {
         let found = counts(name, set, 2);
