@@ -162,7 +162,8 @@ fn every_join_finds_all_light_between_surfaces() {
     let found = alone(&scene, &described("bdpt", &[("max_depth", "3")]), 3, 200);
     agree("plates", &found, 0.02, 0.0, |technique| matches!(technique.depth(), Some(2..=3)));
     // Disks lose up to half of their light at the edge.
-    let merged = [("max_depth", "3"), ("photons", "40000"), ("surface_radius", "0.06"), ("alpha", "1")];
+    let merged =
+        [("max_depth", "3"), ("photons", "40000"), ("surface_radius", "0.06"), ("alpha", "1"), ("continuation", "1")];
     let found = alone(&scene, &described("vcm", &merged), 3, 60);
     agree("plates", &found, 0.03, 0.03, |technique| matches!(technique, Technique::Merge { .. }));
 }
@@ -176,7 +177,14 @@ fn every_technique_finds_all_light_in_fog() {
         <shape type="cube"><bsdf type="null"/><ref name="interior" id="fog"/></shape>"#,
     );
     // Disks and ribbons lose a part of their light at the boundary.
-    let set = [("max_depth", "3"), ("photons", "16000"), ("beams", "2400"), ("radius", "0.03"), ("alpha", "1")];
+    let set = [
+        ("max_depth", "3"),
+        ("photons", "16000"),
+        ("beams", "2400"),
+        ("radius", "0.03"),
+        ("alpha", "1"),
+        ("continuation", "1"),
+    ];
     let found = alone(&scene, &described("upbp", &set), 3, 100);
     agree("fog", &found, 0.02, 0.02, |technique| match technique {
         Technique::Join { light, camera } => light + camera > 2 && (light < 2 || camera < 2),
@@ -185,8 +193,14 @@ fn every_technique_finds_all_light_in_fog() {
     });
     // Balls take a larger radius for as little noise, and lose more: r S / V times 3/16, and up to twice that where the faces are
     // the brightest places.
-    let set =
-        [("max_depth", "3"), ("photons", "50000"), ("radius", "0.05"), ("alpha", "1"), ("techniques", "bpt,pp3d")];
+    let set = [
+        ("max_depth", "3"),
+        ("photons", "50000"),
+        ("radius", "0.05"),
+        ("alpha", "1"),
+        ("continuation", "1"),
+        ("techniques", "bpt,pp3d"),
+    ];
     let found = alone(&scene, &described("upbp", &set), 3, 100);
     agree("fog", &found, 0.03, 0.056, |technique| matches!(technique, Technique::Merge { .. }));
 }

@@ -52,9 +52,9 @@ fn replay<M: Mode>(scene: &Scene, effort: &Effort, first: Leg, vertices: &[Step]
     for (i, (Step { vertex, delta }, edge)) in vertices.iter().zip(edges).enumerate() {
         let mut corner = corner(scene, effort, vertex);
         if leg.first {
-            corner.share = 1.0;
+            corner.merges = corner.merges.first();
         }
-        let first = leg.first && *delta;
+        let (first, certain) = (leg.first && *delta, leg.certain && *delta);
         let spread = leg.spread(vertex.position);
         let arrival: Arrival = leg.arrive::<M>(edge, spread, corner.cos(vertex.direction), corner.in_medium());
         ends.push((End { corner, arrival, first: leg.first }, leg));
@@ -63,7 +63,7 @@ fn replay<M: Mode>(scene: &Scene, effort: &Effort, first: Leg, vertices: &[Step]
             let turn = turn::<M>(scene, vertex, direction);
             let density = (!delta).then_some(turn.pdf.0);
             leg = arrival.depart::<M>(effort, &corner, direction, density, turn.reverse.0);
-            leg.first = first;
+            (leg.first, leg.certain) = (first, certain);
         }
     }
     ends
@@ -205,14 +205,14 @@ fn sum_of(
             onward: turn.pdf,
             back: turn.reverse,
             sin: here.corner.arriving.cross(leaving(i)).length(),
-            share: other.corner.share,
+            merges: other.corner.merges,
         };
-        let techniques: &[Merging] = match (here.corner.in_medium(), here.corner.merges) {
+        let techniques: &[Merging] = match (here.corner.in_medium(), here.corner.merges.surface > 0.0) {
             (true, _) => &[Merging::PointPoint, Merging::BeamPoint, Merging::BeamBeam],
             (false, true) => &[Merging::Surface],
             (false, false) => &[],
         };
-        total += techniques.iter().map(|t| f64::from(mis::weigh_merge(effort, *t, &meeting))).sum::<f64>();
+        total += techniques.iter().map(|t| f64::from(mis::weigh_merge(*t, &meeting))).sum::<f64>();
     }
     Some(total)
 }
@@ -228,7 +228,7 @@ fn density(scene: &Scene) -> LightDensity {
         walk::<FromLight, _>(scene, Start::emitted(&emission), &RULES, &mut sampler, &mut light);
         for Step { vertex, .. } in light.0 {
             let inside = matches!(vertex.scattering, Scattering::Medium { .. });
-            if inside { &mut media } else { &mut surfaces }.push(vertex.position);
+            if inside { &mut media } else { &mut surfaces }.push((vertex.position, 0.5 + vertex.position.x.abs()));
         }
     }
     LightDensity::new(&media, &surfaces, PATHS)
@@ -255,38 +255,28 @@ fn check(effort: &Effort, per_scene: u32) -> u32 {
     count
 }
 
-const CONNECTIONS: Effort = Effort {
-    connect: 1.0,
-    lens: 576.0,
-    surface: 0.0,
-    point_point: 0.0,
-    beam_point: 0.0,
-    beam_beam: 0.0,
-    light: LightDensity::UNKNOWN,
-};
+fn connections() -> Effort {
+    Effort { connect: 1.0, lens: 576.0, ..Effort::NONE }
+}
 
-const ALL: Effort = Effort {
-    connect: 1.0,
-    lens: 576.0,
-    surface: 7.0,
-    point_point: 0.6,
-    beam_point: 3.0,
-    beam_beam: 11.0,
-    light: LightDensity::UNKNOWN,
-};
+fn all() -> Effort {
+    let merges = Effort { surface: 7.0, point_point: 0.6, beam_point: 3.0, beam_beam: 11.0, ..connections() };
+    Effort { most_first: 32.0, split: true, ..merges }
+}
 
 #[test]
 fn weights_of_connections_sum_to_one() {
-    check(&CONNECTIONS, 1500);
+    check(&connections(), 1500);
 }
 
 #[test]
 fn weights_of_connections_and_merges_sum_to_one() {
-    check(&ALL, 1500);
+    check(&all(), 1500);
     for effort in [
-        Effort { surface: 0.0, point_point: 0.0, beam_point: 0.0, ..ALL },
-        Effort { surface: 0.0, point_point: 0.0, beam_beam: 0.0, ..ALL },
-        Effort { surface: 0.0, beam_point: 0.0, beam_beam: 0.0, ..ALL },
+        Effort { surface: 0.0, point_point: 0.0, beam_point: 0.0, ..all() },
+        Effort { surface: 0.0, point_point: 0.0, beam_beam: 0.0, ..all() },
+        Effort { surface: 0.0, beam_point: 0.0, beam_beam: 0.0, ..all() },
+        Effort { most_first: 1.0, split: false, ..all() },
     ] {
         check(&effort, 300);
     }
@@ -296,5 +286,5 @@ fn weights_of_connections_and_merges_sum_to_one() {
 #[test]
 #[ignore = "some minutes"]
 fn weights_of_a_million_paths_sum_to_one() {
-    assert!(check(&ALL, 60_000) >= 1_000_000);
+    assert!(check(&all(), 60_000) >= 1_000_000);
 }

@@ -15,7 +15,7 @@ use crate::estimators::connect::{Join, Sight};
 use crate::estimators::transport::Turn;
 use crate::math::{PerSolidAngle, Vec3};
 use crate::scene::emitter::EndDensity;
-use crate::walk::{Arrival, Corner, Edge, Effort, End, FromCamera, FromLight, Leg};
+use crate::walk::{Arrival, Corner, Edge, Effort, End, FromCamera, FromLight, Leg, Merges};
 
 /// Weight of the connection of two vertices that both walks have found.
 #[inline]
@@ -26,7 +26,8 @@ pub fn weigh_join(effort: &Effort, light: &End, camera: &End, join: &Join) -> f3
         camera.arrival.depart::<FromCamera>(effort, &camera.corner, -*direction, Some(0.0), turn_c.reverse.0);
     let before = turn_c.pdf.0 * spread * onward_l.before::<FromLight>(edge);
     let after = turn_l.pdf.0 * spread * onward_c.before::<FromCamera>(&edge.reversed());
-    effort.connect / (effort.connect + before + after)
+    let connect = camera.corner.merges.connect * effort.connect;
+    connect / (connect + before + after)
 }
 
 /// Weight of the connection of a vertex of light's walk with the lens.
@@ -34,10 +35,11 @@ pub fn weigh_join(effort: &Effort, light: &End, camera: &End, join: &Join) -> f3
 pub fn weigh_sight(effort: &Effort, light: &End, sight: &Sight) -> f32 {
     let Sight { direction, light: turn, edge, lens, .. } = sight;
     // The vertex is the first one of the camera's walk.
-    let corner = Corner { share: 1.0, ..light.corner };
+    let corner = Corner { merges: light.corner.merges.first(), ..light.corner };
     let onward = light.arrival.depart::<FromLight>(effort, &corner, *direction, Some(0.0), turn.reverse.0);
     let spread = if lens.parallel { 1.0 } else { 1.0 / lens.lens.distance_squared(light.corner.position) };
-    effort.lens / (effort.lens + lens.density * spread * onward.before::<FromLight>(edge))
+    let lens_effort = corner.merges.connect * effort.lens;
+    lens_effort / (lens_effort + lens.density * spread * onward.before_lens(effort, edge))
 }
 
 /// An emitter as sampled from a vertex, or as a walk runs into it.
@@ -62,6 +64,7 @@ pub fn weigh_sampled(
     distance2: f32,
 ) -> f32 {
     let Lit { density, sampled } = lit;
+    let sampled = camera.corner.merges.connect * sampled;
     let onward = camera.arrival.depart::<FromCamera>(effort, &camera.corner, direction, Some(0.0), turn.reverse.0);
     let spread = if density.parallel { 1.0 } else { 1.0 / distance2 };
     let after = density.onward * spread * onward.before::<FromCamera>(edge);
@@ -91,8 +94,8 @@ pub struct Meeting {
     pub back: PerSolidAngle,
     /// Sine of the angle between both.
     pub sin: f32,
-    /// The share of the merges here that count, as the camera's walk says: see [`Corner::share`].
-    pub share: f32,
+    /// What is merged here, as the camera's walk says.
+    pub merges: Merges,
 }
 
 /// A technique that merges.
@@ -125,18 +128,20 @@ impl Merging {
 
 /// Weight of a merge.
 #[inline]
-pub fn weigh_merge(effort: &Effort, technique: Merging, meeting: &Meeting) -> f32 {
-    let Meeting { light, camera, onward, back, sin, share } = meeting;
+pub fn weigh_merge(technique: Merging, meeting: &Meeting) -> f32 {
+    let Meeting { light, camera, onward, back, sin, merges } = meeting;
+    let Merges { share, connect, surface, point_point, .. } = *merges;
     // In units of the density of both walks colliding at the place.
-    let beam_point = effort.beam_point * camera.covered;
-    let beam_beam = effort.beam_beam * sin * camera.covered * light.covered;
-    let (own, merges) = match technique {
-        Merging::Surface => (effort.surface, effort.surface),
-        Merging::PointPoint => (effort.point_point, effort.point_point + beam_point + beam_beam),
-        Merging::BeamPoint => (beam_point, effort.point_point + beam_point + beam_beam),
-        Merging::BeamBeam => (beam_beam, effort.point_point + beam_point + beam_beam),
+    let beam_point = merges.beam_point * camera.covered;
+    let beam_beam = merges.beam_beam * sin * camera.covered * light.covered;
+    let in_medium = point_point + beam_point + beam_beam;
+    let (own, all) = match technique {
+        Merging::Surface => (surface, surface),
+        Merging::PointPoint => (point_point, in_medium),
+        Merging::BeamPoint => (beam_point, in_medium),
+        Merging::BeamBeam => (beam_beam, in_medium),
     };
-    let before = light.connected + light.before * back.0;
-    let after = camera.connected + camera.before * onward.0;
-    share * own / (share * merges + before + after)
+    let before = connect * light.connected + light.before * back.0;
+    let after = connect * camera.connected + camera.before * onward.0;
+    share * own / (share * all + before + after)
 }

@@ -68,7 +68,7 @@ impl<'a, M: Mode> Account<'a, M> {
         let mut corner = corner(self.scene, self.effort, vertex);
         let leg = self.leg_to(vertex.position);
         if leg.first {
-            corner.share = 1.0;
+            corner.merges = corner.merges.first();
         }
         let (cos, spread) = (corner.cos(vertex.direction), leg.spread(vertex.position));
         let arrival = leg.arrive::<M>(&self.edge, spread, cos, corner.in_medium());
@@ -77,14 +77,24 @@ impl<'a, M: Mode> Account<'a, M> {
         end
     }
 
+    /// One over the share of the walks that are to go on from here: of many camera's walks, those that scatter by chance for
+    /// the first time.
+    #[inline]
+    pub fn boost(&self, onward: &Onward) -> f32 {
+        let here = self.here.as_ref().filter(|end| end.first && onward.pdf.is_some());
+        here.map_or(1.0, |end| end.corner.merges.connect)
+    }
+
     /// The walk goes on from the vertex.
     #[inline]
     pub fn depart(&mut self, vertex: &Vertex, onward: &Onward) {
         let Some(End { corner, arrival, first }) = self.here.take() else { return };
+        let certain = self.leg.certain;
         let direction = onward.direction;
         let reverse = onward.pdf.map_or(1.0, |_| reverse_pdf::<M>(self.scene, vertex, direction).0);
         self.leg = arrival.depart::<M>(self.effort, &corner, direction, onward.pdf.map(|pdf| pdf.0), reverse);
         self.leg.first = first && onward.pdf.is_none();
+        self.leg.certain = certain && onward.pdf.is_none();
         self.edge = Edge::START;
         self.first = None;
     }

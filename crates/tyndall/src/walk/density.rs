@@ -6,11 +6,29 @@
 //! samples than they need to find light at all: with `k` merges expected at a place, as `k / (1 + k)`.
 
 use crate::math::{Aabb, Vec3};
+use std::f32::consts::PI;
 
 /// Places that a cell has on the mean: enough to tell dark cells from unlucky ones.
 const IN_CELL: f32 = 16.0;
 /// Share of the places that are left out at each end of each axis, so that a few far ones do not spread the cells.
 const OUTLIERS: f32 = 0.01;
+/// Points that a widened radius takes in.
+const TAKEN_IN: f32 = 16.0;
+/// How many times a radius is widened at most.
+const WIDEST: f32 = 6.0;
+
+/// What is known of a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cell {
+    /// Scatterings for each light path, 1/m^3 in media and 1/m^2 on surfaces.
+    pub density: f32,
+    /// Factor of the radii of what is merged.
+    pub widening: f32,
+}
+
+impl Cell {
+    const UNKNOWN: Self = Self { density: 0.0, widening: 1.0 };
+}
 
 /// Light paths' scatterings, counted in a coarse grid. Where nothing is counted, all merges count.
 #[derive(Clone, Debug)]
@@ -18,10 +36,8 @@ pub struct LightDensity {
     bounds: Aabb,
     /// Cells along each axis.
     cells: usize,
-    /// For each cell in media, 1/m^3 ...
-    media: Vec<f32>,
-    /// ... and on surfaces, 1/m^2, both for each light path.
-    surfaces: Vec<f32>,
+    media: Vec<Cell>,
+    surfaces: Vec<Cell>,
     /// Size of all, metres.
     extent: f32,
 }
@@ -37,11 +53,12 @@ impl LightDensity {
     pub const UNKNOWN: Self =
         Self { bounds: Aabb::EMPTY, cells: 0, media: Vec::new(), surfaces: Vec::new(), extent: 0.0 };
 
-    /// Of so many light paths that scattered at these places in media and on surfaces.
-    pub fn new(media: &[Vec3], surfaces: &[Vec3], paths: u32) -> Self {
+    /// Of so many light paths that scattered at these places in media and on surfaces. Each place comes with the factor
+    /// that radii have there.
+    pub fn new(media: &[(Vec3, f32)], surfaces: &[(Vec3, f32)], paths: u32) -> Self {
         let all = || media.iter().chain(surfaces);
         let range = |axis: usize| {
-            let mut values: Vec<f32> = all().map(|x| x[axis]).collect();
+            let mut values: Vec<f32> = all().map(|(x, _)| x[axis]).collect();
             values.sort_unstable_by(f32::total_cmp);
             let skip = (values.len() as f32 * OUTLIERS) as usize;
             Some((*values.get(skip)?, values[values.len() - 1 - skip]))
@@ -59,11 +76,16 @@ impl LightDensity {
         if !(volume > 0.0 && volume.is_finite()) {
             return Self::UNKNOWN;
         }
-        let count = |places: &[Vec3], measure: f32| {
-            let mut counts = vec![0.0; cells * cells * cells];
-            places.iter().filter_map(|x| density.cell(*x)).for_each(|i| counts[i] += 1.0);
-            counts.iter_mut().for_each(|n| *n /= measure * paths as f32);
-            counts
+        let count = |places: &[(Vec3, f32)], measure: f32| {
+            let mut sums = vec![(0.0, 0.0); cells * cells * cells];
+            for (i, widening) in places.iter().filter_map(|(x, widening)| Some((density.cell(*x)?, widening))) {
+                sums[i] = (sums[i].0 + 1.0, sums[i].1 + widening);
+            }
+            let cell = |(n, widening): (f32, f32)| match n {
+                0.0 => Cell::UNKNOWN,
+                _ => Cell { density: n / (measure * paths as f32), widening: widening / n },
+            };
+            sums.into_iter().map(cell).collect()
         };
         let (media, surfaces) = (count(media, volume), count(surfaces, volume.powf(2.0 / 3.0)));
         (density.media, density.surfaces) = (media, surfaces);
@@ -78,17 +100,31 @@ impl LightDensity {
         inside.then_some((k * self.cells + j) * self.cells + i)
     }
 
-    fn at(&self, cells: &[f32], x: Vec3) -> f32 {
-        if cells.is_empty() { 0.0 } else { self.cell(x).map_or(0.0, |i| cells[i]) }
+    /// Widens the radii in media, `radius` metres before, where a ball would take in less than a few of the points of so many
+    /// light paths.
+    pub fn widen_in_media(&mut self, radius: f32, paths: u32) {
+        widen(&mut self.media, |points| (TAKEN_IN / (points * 4.0 / 3.0 * PI)).cbrt(), radius, paths);
     }
 
-    /// In media at `x`, 1/m^3 for each light path.
-    pub fn in_medium(&self, x: Vec3) -> f32 {
+    /// The same on surfaces, for disks.
+    pub fn widen_on_surfaces(&mut self, radius: f32, paths: u32) {
+        widen(&mut self.surfaces, |points| (TAKEN_IN / (points * PI)).sqrt(), radius, paths);
+    }
+
+    #[inline]
+    fn at(&self, cells: &[Cell], x: Vec3) -> Cell {
+        if cells.is_empty() { Cell::UNKNOWN } else { self.cell(x).map_or(Cell::UNKNOWN, |i| cells[i]) }
+    }
+
+    /// In media at `x`.
+    #[inline]
+    pub fn in_medium(&self, x: Vec3) -> Cell {
         self.at(&self.media, x)
     }
 
-    /// On surfaces at `x`, 1/m^2 for each light path.
-    pub fn on_surface(&self, x: Vec3) -> f32 {
+    /// On surfaces at `x`.
+    #[inline]
+    pub fn on_surface(&self, x: Vec3) -> Cell {
         self.at(&self.surfaces, x)
     }
 
@@ -98,17 +134,24 @@ impl LightDensity {
     }
 }
 
+fn widen(cells: &mut [Cell], wide: impl Fn(f32) -> f32, radius: f32, paths: u32) {
+    for cell in cells {
+        let points = (cell.density * paths as f32).max(f32::MIN_POSITIVE);
+        cell.widening *= (wide(points) / (radius * cell.widening)).clamp(1.0, WIDEST);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::math::Rng;
 
     /// Places in a box of 2 x 1 x 1 whose one half has three times as many.
-    fn places(count: u64) -> Vec<Vec3> {
+    fn places(count: u64) -> Vec<(Vec3, f32)> {
         let place = |i| {
             let mut rng = Rng::keyed(5, 1, i);
             let half = if i % 4 == 0 { 0.0 } else { 1.0 };
-            Vec3::new(half + rng.f32(), rng.f32(), rng.f32())
+            (Vec3::new(half + rng.f32(), rng.f32(), rng.f32()), 1.0)
         };
         (0..count).map(place).collect()
     }
@@ -120,24 +163,54 @@ mod tests {
         for (x, expected) in [(0.3, 50.0), (0.6, 50.0), (1.3, 150.0), (1.7, 150.0)] {
             let mean = (0..1000_u64).map(|i| {
                 let mut rng = Rng::keyed(5, 2, i);
-                density.in_medium(Vec3::new(x + 0.1 * rng.f32(), 0.1 + 0.8 * rng.f32(), 0.1 + 0.8 * rng.f32()))
+                let at = Vec3::new(x + 0.1 * rng.f32(), 0.1 + 0.8 * rng.f32(), 0.1 + 0.8 * rng.f32());
+                density.in_medium(at).density
             });
             let mean = mean.sum::<f32>() / 1000.0;
             assert!((mean / expected - 1.0).abs() < 0.05, "{x}: {mean} is not {expected}");
         }
-        assert_eq!(density.in_medium(Vec3::new(5.0, 0.5, 0.5)), 0.0, "outside");
-        assert_eq!(density.on_surface(Vec3::new(1.5, 0.5, 0.5)), 0.0, "no surface");
+        assert_eq!(density.in_medium(Vec3::new(5.0, 0.5, 0.5)), Cell::UNKNOWN, "outside");
+        assert_eq!(density.on_surface(Vec3::new(1.5, 0.5, 0.5)).density, 0.0, "no surface");
         assert_eq!(density.beam_length(100.0), 0.01);
         assert!((density.beam_length(0.01) - 2.0).abs() < 0.1, "no longer than all");
-        assert_eq!(LightDensity::new(&[], &[], paths).in_medium(Vec3::ZERO), 0.0);
+        assert_eq!(LightDensity::new(&[], &[], paths).in_medium(Vec3::ZERO), Cell::UNKNOWN);
     }
 
     #[test]
     fn far_places_do_not_spread_the_cells() {
         let mut media = places(10_000);
-        media.extend([Vec3::splat(1e6), Vec3::splat(-1e6)]);
+        media.extend([(Vec3::splat(1e6), 1.0), (Vec3::splat(-1e6), 1.0)]);
         let density = LightDensity::new(&media, &media, 100);
-        assert!(density.in_medium(Vec3::new(1.5, 0.5, 0.5)) > 50.0);
-        assert!(density.on_surface(Vec3::new(1.5, 0.5, 0.5)) > 0.0);
+        assert!(density.in_medium(Vec3::new(1.5, 0.5, 0.5)).density > 50.0);
+        assert!(density.on_surface(Vec3::new(1.5, 0.5, 0.5)).density > 0.0);
+    }
+
+    #[test]
+    fn radii_are_those_of_the_places_and_take_in_a_few_points() {
+        // Radii grow along x.
+        let surfaces: Vec<_> = places(200_000).into_iter().map(|(x, _)| (x, x.x)).collect();
+        let mut density = LightDensity::new(&[], &surfaces, 1000);
+        let mean = |density: &LightDensity, x: f32| {
+            let at = |i: u64| {
+                let mut rng = Rng::keyed(5, 3, i);
+                let y = Vec3::new(x + 0.1 * rng.f32(), 0.1 + 0.8 * rng.f32(), 0.1 + 0.8 * rng.f32());
+                density.on_surface(y).widening
+            };
+            (0..1000).map(at).sum::<f32>() / 1000.0
+        };
+        for x in [0.3, 0.6, 1.3, 1.7] {
+            let found = mean(&density, x);
+            assert!((found / (x + 0.05) - 1.0).abs() < 0.1, "{x}: {found}");
+        }
+        let before = density.on_surface(Vec3::splat(0.5));
+        density.widen_on_surfaces(0.02, 1000);
+        let after = density.on_surface(Vec3::splat(0.5));
+        let disk = PI * (0.02 * after.widening).powi(2);
+        assert!((1000.0 * after.density * disk / TAKEN_IN - 1.0).abs() < 1e-4, "{before:?} {after:?}");
+        density.widen_on_surfaces(1e-6, 1000);
+        let widest = density.on_surface(Vec3::splat(0.5));
+        assert_eq!(widest.widening, WIDEST * after.widening);
+        density.widen_on_surfaces(1.0, 1000);
+        assert_eq!(density.on_surface(Vec3::splat(0.5)), widest, "never narrower");
     }
 }

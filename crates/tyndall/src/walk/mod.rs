@@ -22,5 +22,5 @@ pub use profile::Profile;
 pub use record::{Escape, Onward, Scattering, Segment, SurfaceHit, Vertex};
 pub use reverse::{corner, reverse_pdf};
 pub use sink::Sink;
-pub use terms::{Arrival, Corner, Effort, End, Leg};
+pub use terms::{Arrival, Corner, Effort, End, Leg, Merges};
 pub use walk::{FromCamera, FromLight, Media, Mode, Rules, Start, walk};

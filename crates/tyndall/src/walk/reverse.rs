@@ -1,6 +1,6 @@
 //! A vertex as the walk from the other end would see it.
 
-use super::{Corner, Effort, Mode, Scattering, Vertex};
+use super::{Corner, Effort, Merges, Mode, Scattering, Vertex};
 use crate::math::{PerSolidAngle, Vec3};
 use crate::scene::Scene;
 use crate::scene::bsdf::Transport;
@@ -29,9 +29,10 @@ pub fn reverse_pdf<M: Mode>(scene: &Scene, vertex: &Vertex, direction: Vec3) -> 
 #[inline]
 pub fn corner(scene: &Scene, effort: &Effort, vertex: &Vertex) -> Corner {
     let x = vertex.position;
-    let (normal, merges, share) = match &vertex.scattering {
-        Scattering::Medium { medium } => (Vec3::ZERO, true, effort.share_in_medium(scene.medium(*medium), x)),
-        Scattering::Surface { point, .. } => (point.normal, scene.is_diffuse(point.shape), effort.share_on_surface(x)),
+    let (normal, merges) = match &vertex.scattering {
+        Scattering::Medium { medium } => (Vec3::ZERO, effort.in_medium(scene.medium(*medium), x)),
+        Scattering::Surface { point, .. } if scene.is_diffuse(point.shape) => (point.normal, effort.on_surface(x)),
+        Scattering::Surface { point, .. } => (point.normal, Merges::NONE),
     };
-    Corner { position: x, arriving: vertex.direction, normal, merges, share }
+    Corner { position: x, arriving: vertex.direction, normal, merges }
 }

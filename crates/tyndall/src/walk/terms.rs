@@ -14,7 +14,8 @@
 //! `pB(i)` and the reverse density inside `S(i-1)` wait for the next vertices. What remains, `c(i-1) / pF(i)` and the rest
 //! without its reverse density, are the two numbers of an [`Arrival`]. The camera's walk carries the same from its end.
 
-use super::{Edge, LightDensity, Mode};
+use super::density::{Cell, LightDensity};
+use super::{Edge, FromLight, Mode};
 use crate::math::Vec3;
 use crate::scene::bsdf::Transport;
 use crate::scene::emitter::EndDensity;
@@ -23,7 +24,7 @@ use crate::scene::sensor::RayDensity;
 
 /// How many samples the techniques take of each path, in units of one camera path joined with one light path; zero for
 /// techniques not used.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Effort {
     /// Connections and hits: 1 or 0.
     pub connect: f32,
@@ -39,30 +40,101 @@ pub struct Effort {
     pub beam_beam: f32,
     /// How densely light paths scatter, which says how many merges there are.
     pub light: LightDensity,
+    /// At most so many times as many of the camera's walks come to their first vertex as go on from there.
+    pub most_first: f32,
+    /// Whether the camera's walk passes all media to the first surface, besides another one that collides in them.
+    pub split: bool,
+}
+
+impl Default for Effort {
+    fn default() -> Self {
+        Self::NONE
+    }
 }
 
 impl Effort {
+    /// Nothing is done.
+    pub const NONE: Self = Self {
+        connect: 0.0,
+        lens: 0.0,
+        surface: 0.0,
+        point_point: 0.0,
+        beam_point: 0.0,
+        beam_beam: 0.0,
+        light: LightDensity::UNKNOWN,
+        most_first: 1.0,
+        split: false,
+    };
+
     /// Light paths merged where the camera's walk has scattered before, for each merged at its first vertex.
     pub const BEYOND: f32 = 1.0 / 16.0;
 
-    /// The share of the merges at `x` in `medium` that there are and that count where the camera's walk has scattered
-    /// before: see [`crate::walk::density`].
+    /// What is merged at `x` in `medium`.
     #[inline]
-    pub fn share_in_medium(&self, medium: &Medium, x: Vec3) -> f32 {
-        let density = self.light.in_medium(x);
-        if density == 0.0 {
-            return Self::BEYOND;
-        }
+    pub fn in_medium(&self, medium: &Medium, x: Vec3) -> Merges {
+        let Cell { density, widening } = self.light.in_medium(x);
+        let disk = widening * widening;
+        let point_point = self.point_point * disk * widening;
+        let beam_point = self.beam_point * disk;
         let length = self.light.beam_length(medium.sigma_t(x).mean());
         // Beams meet under all angles, whose mean sine is pi / 4.
-        let beams = self.beam_point + std::f32::consts::FRAC_PI_4 * self.beam_beam * length;
-        Self::BEYOND / (1.0 + Self::BEYOND * density * (self.point_point + beams * length))
+        let beams = beam_point + std::f32::consts::FRAC_PI_4 * self.beam_beam * length;
+        let usual = density * (point_point + beams * length);
+        let share = Self::BEYOND / (1.0 + Self::BEYOND * usual);
+        let most = self.most_first;
+        Merges { usual, most, share, connect: 1.0, surface: 0.0, point_point, beam_point, beam_beam: self.beam_beam }
     }
 
-    /// The same on surfaces.
+    /// What is merged at `x` on a surface wide enough in its scattering.
     #[inline]
-    pub fn share_on_surface(&self, x: Vec3) -> f32 {
-        Self::BEYOND / (1.0 + Self::BEYOND * self.light.on_surface(x) * self.surface)
+    pub fn on_surface(&self, x: Vec3) -> Merges {
+        let Cell { density, widening } = self.light.on_surface(x);
+        let surface = self.surface * widening * widening;
+        let usual = density * surface;
+        let share = Self::BEYOND / (1.0 + Self::BEYOND * usual);
+        Merges { usual, most: self.most_first, share, surface, ..Merges::NONE }
+    }
+}
+
+/// What is merged at a place, in the units of [`Effort`].
+#[derive(Clone, Copy, Debug)]
+pub struct Merges {
+    /// How many merges there are about, for each camera's walk that is merged with all.
+    pub usual: f32,
+    /// As in [`Effort::most_first`].
+    pub most: f32,
+    /// The share of it that there is and that counts: see [`crate::walk::density`].
+    pub share: f32,
+    /// What a connection with the vertex counts, in units of those of a camera's walk that has gone on.
+    pub connect: f32,
+    /// As in [`Effort`], with the radii of the place ...
+    pub surface: f32,
+    /// ... in all techniques.
+    pub point_point: f32,
+    /// Camera beams and points.
+    pub beam_point: f32,
+    /// Beams.
+    pub beam_beam: f32,
+}
+
+impl Merges {
+    /// Nothing.
+    pub const NONE: Self = Self {
+        usual: 0.0,
+        most: 1.0,
+        share: 1.0,
+        connect: 1.0,
+        surface: 0.0,
+        point_point: 0.0,
+        beam_point: 0.0,
+        beam_beam: 0.0,
+    };
+
+    /// Where the camera's walk has not scattered before: all counts, and more than beyond, where few walks come.
+    #[inline(always)]
+    pub fn first(self) -> Self {
+        let more = (1.0 + self.usual).min(self.most);
+        Self { share: more, connect: more, ..self }
     }
 }
 
@@ -75,10 +147,8 @@ pub struct Corner {
     pub arriving: Vec3,
     /// Unit geometric normal of a surface; zero in media.
     pub normal: Vec3,
-    /// Whether data are merged here: in every medium, and on surfaces wide enough in their scattering.
-    pub merges: bool,
-    /// The share of the merges here that count.
-    pub share: f32,
+    /// What is merged here.
+    pub merges: Merges,
 }
 
 impl Corner {
@@ -124,6 +194,8 @@ pub struct Leg {
     pub start: Vec3,
     /// Whether the camera's walk has met nothing yet but smooth mirrors and glass: all merges at its end count.
     pub first: bool,
+    /// Whether the leg is one of the camera's that pass all media for certain, as in [`Effort::split`].
+    pub certain: bool,
     /// Density of the direction, 1/sr; per area across the direction where all rays are parallel; one after a smooth
     /// mirror or glass.
     pub density: f32,
@@ -148,6 +220,7 @@ impl Leg {
         Self {
             start,
             first: false,
+            certain: false,
             density: density.onward,
             spreads: !density.parallel,
             connect: 0.0,
@@ -170,6 +243,7 @@ impl Leg {
         Self {
             start: lens.lens,
             first: true,
+            certain: effort.split,
             density: lens.density,
             spreads: !lens.parallel,
             connect: effort.lens,
@@ -199,15 +273,27 @@ impl Leg {
         self.cos * (edge.departure(self.in_medium) * self.collided + beam * self.covering)
     }
 
+    /// As [`Leg::before`] of light's walk, where the other end is the lens.
+    #[inline]
+    pub fn before_lens(&self, effort: &Effort, edge: &Edge) -> f32 {
+        if !effort.split {
+            return self.before::<FromLight>(edge);
+        }
+        let departure = if self.in_medium { edge.departure(true) } else { 1.0 };
+        self.cos * (departure * self.collided + self.covering)
+    }
+
     /// The walk comes to a vertex through `edge`, where `cos` is as in [`Corner::cos`] and `spread` as in
     /// [`Leg::spread`].
     #[inline]
     pub fn arrive<M: Mode>(&self, edge: &Edge, spread: f32, cos: f32, in_medium: bool) -> Arrival {
         // The spread is that of the reverse density as well, and may be infinite where a leg has no length.
-        let density = self.density * cos * edge.arrival(in_medium);
+        let passed = self.certain && !in_medium;
+        let density = self.density * cos * if passed { 1.0 } else { edge.arrival(in_medium) };
         let inverse = if density > 0.0 { 1.0 / density } else { 0.0 };
         let covered = match M::TRANSPORT {
             Transport::Importance => 1.0 / edge.rates[1],
+            Transport::Radiance if self.certain => 1.0 / (edge.survival * edge.rates[1]),
             Transport::Radiance => 1.0 / (edge.stretches[1] * edge.rates[1]),
         };
         Arrival { connected: self.connect * inverse / spread, before: self.before::<M>(edge) * inverse, covered }
@@ -230,6 +316,7 @@ impl Arrival {
         let leg = Leg {
             start,
             first: false,
+            certain: false,
             density: density.unwrap_or(1.0),
             spreads: true,
             connect: 0.0,
@@ -242,23 +329,22 @@ impl Arrival {
         if density.is_none() {
             return leg;
         }
-        let mut collided = self.connected + self.before * reverse;
+        let Merges { share, connect, surface, point_point, beam_point, beam_beam, .. } = corner.merges;
+        let mut collided = connect * self.connected + self.before * reverse;
         let mut covering = 0.0;
         if in_medium {
             let sin = corner.arriving.cross(direction).length();
-            collided += corner.share * effort.point_point;
+            collided += share * point_point;
             match M::TRANSPORT {
-                Transport::Importance => {
-                    covering = corner.share * (effort.beam_point + effort.beam_beam * sin * self.covered);
-                }
+                Transport::Importance => covering = share * (beam_point + beam_beam * sin * self.covered),
                 Transport::Radiance => {
-                    collided += corner.share * effort.beam_point * self.covered;
-                    covering = corner.share * effort.beam_beam * sin * self.covered;
+                    collided += share * beam_point * self.covered;
+                    covering = share * beam_beam * sin * self.covered;
                 }
             }
-        } else if corner.merges {
-            collided += corner.share * effort.surface;
+        } else {
+            collided += share * surface;
         }
-        Leg { connect: effort.connect, collided, covering, ..leg }
+        Leg { connect: connect * effort.connect, collided, covering, ..leg }
     }
 }

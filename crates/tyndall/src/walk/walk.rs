@@ -66,6 +66,8 @@ pub enum Media {
     Scatter,
     /// They dim it and let it pass.
     Attenuate,
+    /// They let it pass until it has been scattered by chance, not only by smooth mirrors and glass, and scatter it then.
+    AttenuateFirst,
 }
 
 /// When a walk ends, and what it sees.
@@ -99,6 +101,7 @@ pub fn walk<M: Mode, S: Sink>(scene: &Scene, start: Start, rules: &Rules, sample
     let mut scatterings = 0;
     let mut eta = 1.0;
     let mut leg = 0;
+    let mut passing = matches!(rules.media, Media::Attenuate | Media::AttenuateFirst);
     loop {
         sampler.start_leg(leg);
         let vertex = loop {
@@ -109,12 +112,11 @@ pub fn walk<M: Mode, S: Sink>(scene: &Scene, start: Start, rules: &Rules, sample
                 medium = medium.filter(|inside| !scene.is_bounded(*inside));
             }
             if let Some(inside) = medium {
-                let flight = match rules.media {
-                    Media::Attenuate => attenuate(scene, inside, &ray, length, sampler),
-                    _ => {
-                        let u = sampler.vec2();
-                        fly(scene.medium(inside), &ray, length, throughput, u, sampler.rng())
-                    }
+                let flight = if passing {
+                    attenuate(scene, inside, &ray, length, sampler)
+                } else {
+                    let u = sampler.vec2();
+                    fly(scene.medium(inside), &ray, length, throughput, u, sampler.rng())
                 };
                 let segment = Segment { ray: &ray, length, medium: inside, throughput, scatterings, leg, flight };
                 sink.segment(&segment, sampler);
@@ -191,6 +193,7 @@ pub fn walk<M: Mode, S: Sink>(scene: &Scene, start: Start, rules: &Rules, sample
         if !sink.scattered(&vertex, &onward) {
             return;
         }
+        passing &= rules.media == Media::Attenuate || onward.pdf.is_none();
         if M::TRANSPORT == Transport::Radiance {
             eta *= scattered.eta;
         }

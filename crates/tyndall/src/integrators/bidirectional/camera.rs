@@ -12,7 +12,8 @@ use crate::mis::{self, Lit, Recorder, Technique};
 use crate::scene::Scene;
 use crate::scene::emitter::{EmitterSample, LightEnd};
 use crate::walk::{
-    Account, Effort, End, Escape, FromCamera, Onward, Segment, Sink, Start, SurfaceHit, Vertex, edge_passage, walk,
+    Account, Effort, End, Escape, FromCamera, Media, Onward, Rules, Scattering, Segment, Sink, Start, SurfaceHit,
+    Vertex, edge_passage, walk,
 };
 
 /// The sink that turns a camera's walk into radiance.
@@ -25,6 +26,10 @@ pub(super) struct CameraPath<'a, R> {
     pub(super) pairing: Pairing<'a>,
     record: &'a R,
     radiance: Spectrum,
+    /// Whether the walk ends at this vertex if it is the first that scatters by chance.
+    ends: bool,
+    /// Whether the walk only counts once it has collided in a medium.
+    waits: bool,
     pub(super) account: Account<'a, FromCamera>,
 }
 
@@ -44,9 +49,22 @@ impl<'a, R: Recorder> CameraPath<'a, R> {
         let account = Account::of_camera(scene, effort, &camera.ray);
         let record = merger.record;
         let radiance = Spectrum::ZERO;
-        let mut path = Self { scene, options, effort, light, merger, pairing, record, radiance, account };
+        let ends = false;
+        let mut path =
+            Self { scene, options, effort, light, merger, pairing, record, radiance, ends, waits: false, account };
         let start =
             Start { ray: camera.ray, length: camera.t_max, medium: scene.camera_medium, throughput: Spectrum::ONE };
+        if !effort.split {
+            walk::<FromCamera, _>(scene, start, &options.rules, sampler, &mut path);
+            return path.radiance;
+        }
+        // Merging sees all of the first beam: one walk passes it, whatever else would be left to chance, ...
+        let passing = Rules { media: Media::AttenuateFirst, ..options.rules };
+        walk::<FromCamera, _>(scene, start, &passing, sampler, &mut path);
+        // ... and another one shows what collides there.
+        path.account = Account::of_camera(scene, effort, &camera.ray);
+        path.merger.boost = 1.0;
+        path.waits = true;
         walk::<FromCamera, _>(scene, start, &options.rules, sampler, &mut path);
         path.radiance
     }
@@ -54,6 +72,7 @@ impl<'a, R: Recorder> CameraPath<'a, R> {
     /// Light that counts by `weight`.
     #[inline(always)]
     fn add(&mut self, technique: Technique, seen: Spectrum, weight: f32) {
+        let seen = seen * self.merger.boost;
         let weighted = seen * weight;
         self.radiance += weighted;
         self.record.add(technique, weighted, seen);
@@ -127,6 +146,9 @@ impl<'a, R: Recorder> CameraPath<'a, R> {
 
 impl<R: Recorder> Sink for CameraPath<'_, R> {
     fn segment(&mut self, segment: &Segment, sampler: &mut Sampler) {
+        if self.waits {
+            return self.account.pass(segment);
+        }
         self.radiance += self.merger.along(segment, &self.account, sampler);
         self.add_pair(segment, sampler);
         self.account.pass(segment);
@@ -134,7 +156,7 @@ impl<R: Recorder> Sink for CameraPath<'_, R> {
 
     fn surface(&mut self, hit: &SurfaceHit) {
         self.pairing.leave();
-        if self.scene.is_emitter(hit.point.shape) {
+        if !self.waits && self.scene.is_emitter(hit.point.shape) {
             let lights = &self.scene.lights;
             let end = LightEnd::of_hit(hit.point, hit.direction, lights);
             self.add_hit(hit.scatterings, hit.throughput * lights.radiance_surface(hit.point, hit.direction), &end);
@@ -142,12 +164,22 @@ impl<R: Recorder> Sink for CameraPath<'_, R> {
     }
 
     fn escape(&mut self, escape: &Escape) {
+        if self.waits {
+            return;
+        }
         let seen = escape.throughput * self.scene.lights.radiance_escape(escape.direction);
         self.add_hit(escape.scatterings, seen, &LightEnd::of_escape(escape.direction));
     }
 
     fn vertex(&mut self, vertex: &Vertex, sampler: &mut Sampler) {
         let end = self.account.arrive(vertex);
+        self.waits &= !matches!(vertex.scattering, Scattering::Medium { .. });
+        if self.waits {
+            return;
+        }
+        // Most of what is to be found beyond the first vertex, merging has found there.
+        let more = end.corner.merges.connect;
+        self.ends = end.first && more > 1.0 && sampler.rng().f32() * more >= 1.0;
         self.radiance += self.merger.at(vertex, &end, sampler);
         if self.effort.connect > 0.0 && is_smooth(self.scene, vertex) {
             self.add_sampled(vertex, &end, sampler);
@@ -156,8 +188,16 @@ impl<R: Recorder> Sink for CameraPath<'_, R> {
     }
 
     fn scattered(&mut self, vertex: &Vertex, onward: &Onward) -> bool {
+        if self.waits && onward.pdf.is_some() {
+            return false;
+        }
+        let boost = self.account.boost(onward);
         self.account.depart(vertex, onward);
         self.pairing.depart(onward);
+        if boost > 1.0 {
+            self.merger.boost *= boost;
+            return !self.ends;
+        }
         true
     }
 }

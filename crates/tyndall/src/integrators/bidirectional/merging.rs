@@ -13,7 +13,7 @@ use crate::mis::{Meeting, Merging, Recorder, Technique, Weighed, Weigher, weigh_
 use crate::photons::Tag;
 use crate::scene::Scene;
 use crate::scene::desc::MediumId;
-use crate::walk::{Account, Arrival, End, FromCamera, Leg, Profile, Scattering, Segment, Vertex, flight};
+use crate::walk::{Account, Arrival, End, FromCamera, Leg, Merges, Profile, Scattering, Segment, Vertex, flight};
 
 /// Data of all origins.
 const ALL: u32 = u32::MAX;
@@ -26,6 +26,8 @@ pub(super) struct Merger<'a, R> {
     pub(super) max_depth: u32,
     pub(super) profile: &'a mut Profile,
     pub(super) record: &'a R,
+    /// One over the probability that the walk has gone on.
+    pub(super) boost: f32,
 }
 
 /// Weighs what a query meets, and has it recorded.
@@ -34,8 +36,8 @@ struct Scales<'a, R, W> {
     merging: Merging,
     /// Scatterings of the camera's walk before.
     scatterings: u32,
-    /// Light paths.
-    paths: f32,
+    /// What one light path counts.
+    per_path: f32,
     weight: W,
 }
 
@@ -49,7 +51,7 @@ impl<R: Recorder, W: Fn(u32, &Meet, Vec3, Vec3) -> f32> Weigher for Scales<'_, R
     fn met(&self, tag: Tag, seen: Spectrum, weight: f32) {
         let (light, camera) = (tag.scatterings() + 2, self.scatterings + 2);
         let technique = Technique::Merge { merging: self.merging, light, camera };
-        let weighted = seen / self.paths;
+        let weighted = seen * self.per_path;
         // What others find infinitely better is left out of both.
         self.record.add(technique, weighted, if weight > 0.0 { weighted / weight } else { Spectrum::ZERO });
     }
@@ -63,7 +65,7 @@ fn meeting(
     x: Vec3,
     light: Arrival,
     camera: Arrival,
-    share: f32,
+    merges: Merges,
     d: [Vec3; 2],
 ) -> Meeting {
     let phase = scene.medium(medium).phase();
@@ -74,7 +76,7 @@ fn meeting(
         onward: PerSolidAngle(phase.eval(x, by_light, -by_camera)),
         back: PerSolidAngle(phase.eval(x, by_camera, -by_light)),
         sin: by_light.cross(by_camera).length(),
-        share,
+        merges,
     }
 }
 
@@ -120,9 +122,10 @@ impl<R: Recorder> Merger<'_, R> {
             leg.arrive::<FromCamera>(&edge, spread, 1.0, true)
         };
         let weigh = |technique, light: Arrival, t: f32, x: Vec3, direction: Vec3| {
-            let share = if leg.first { 1.0 } else { effort.share_in_medium(medium, x) };
-            let met = meeting(scene, segment.medium, x, light, camera_at(t), share, [direction, ray.direction]);
-            weigh_merge(effort, technique, &met)
+            let merges = effort.in_medium(medium, x);
+            let merges = if leg.first { merges.first() } else { merges };
+            let met = meeting(scene, segment.medium, x, light, camera_at(t), merges, [direction, ray.direction]);
+            weigh_merge(technique, &met)
         };
         if effort.beam_point > 0.0 {
             let terms = &set.points.point_terms;
@@ -132,14 +135,14 @@ impl<R: Recorder> Merger<'_, R> {
                     record,
                     merging: Merging::BeamPoint,
                     scatterings,
-                    paths: set.paths[0],
+                    per_path: self.boost / set.paths[0],
                     weight: |datum: u32, meet: &Meet, x: Vec3, direction: Vec3| {
                         weigh(Merging::BeamPoint, terms[datum as usize], meet.t, x, direction)
                     },
                 },
             };
             let found = gather(&BeamPoint2D { kernel }, &query, &set.for_beams, sampler.rng());
-            radiance += found.radiance / set.paths[0];
+            radiance += found.radiance * (self.boost / set.paths[0]);
         }
         if effort.beam_beam > 0.0 {
             let terms = &set.beams.beam_terms;
@@ -149,7 +152,7 @@ impl<R: Recorder> Merger<'_, R> {
                     record,
                     merging: Merging::BeamBeam,
                     scatterings,
-                    paths: set.paths[1],
+                    per_path: self.boost / set.paths[1],
                     weight: |datum: u32, meet: &Meet, x: Vec3, direction: Vec3| {
                         let light = terms[datum as usize].arrive(scene, effort, segment.medium, x);
                         weigh(Merging::BeamBeam, light, meet.t, x, direction)
@@ -157,7 +160,7 @@ impl<R: Recorder> Merger<'_, R> {
                 },
             };
             let found = gather(&BeamBeam1D { kernel }, &query, &set.arranged_beams, sampler.rng());
-            radiance += found.radiance / set.paths[1];
+            radiance += found.radiance * (self.boost / set.paths[1]);
         }
         radiance
     }
@@ -166,7 +169,7 @@ impl<R: Recorder> Merger<'_, R> {
     pub(super) fn at(&self, vertex: &Vertex, end: &End, sampler: &mut Sampler) -> Spectrum {
         let Self { scene, stores, kernel, record, .. } = *self;
         let set = stores.set(end.first);
-        let (effort, scatterings, paths) = (&stores.effort, vertex.scatterings, set.paths[0]);
+        let (effort, scatterings, per_path) = (&stores.effort, vertex.scatterings, self.boost / set.paths[0]);
         let Some(filter) = self.filter(scatterings) else { return Spectrum::ZERO };
         let found = match &vertex.scattering {
             Scattering::Medium { medium } if effort.point_point > 0.0 => {
@@ -189,19 +192,19 @@ impl<R: Recorder> Merger<'_, R> {
                         record,
                         merging: Merging::PointPoint,
                         scatterings,
-                        paths,
+                        per_path,
                         weight: |datum: u32, _: &Meet, x: Vec3, direction: Vec3| {
                             let light = terms[datum as usize];
                             let End { corner, arrival, .. } = end;
                             let turn = [direction, vertex.direction];
-                            let met = meeting(scene, *medium, x, light, *arrival, corner.share, turn);
-                            weigh_merge(effort, Merging::PointPoint, &met)
+                            let met = meeting(scene, *medium, x, light, *arrival, corner.merges, turn);
+                            weigh_merge(Merging::PointPoint, &met)
                         },
                     },
                 };
                 gather(&PointPoint3D { kernel }, &query, &set.for_points, sampler.rng())
             }
-            Scattering::Surface { point, .. } if effort.surface > 0.0 && end.corner.merges => {
+            Scattering::Surface { point, .. } if end.corner.merges.surface > 0.0 => {
                 let terms = &set.points.surface_terms;
                 let query = Weighed {
                     query: SurfaceQuery {
@@ -214,15 +217,15 @@ impl<R: Recorder> Merger<'_, R> {
                         record,
                         merging: Merging::Surface,
                         scatterings,
-                        paths,
+                        per_path,
                         weight: |datum: u32, _: &Meet, _: Vec3, direction: Vec3| {
                             let turn = turn::<FromCamera>(scene, vertex, -direction);
                             let (onward, back) = (turn.reverse, turn.pdf);
                             let light = terms[datum as usize];
                             let End { corner, arrival, .. } = *end;
-                            let share = corner.share;
-                            let met = Meeting { light, camera: arrival, onward, back, sin: 0.0, share };
-                            weigh_merge(effort, Merging::Surface, &met)
+                            let merges = corner.merges;
+                            let met = Meeting { light, camera: arrival, onward, back, sin: 0.0, merges };
+                            weigh_merge(Merging::Surface, &met)
                         },
                     },
                 };
@@ -230,6 +233,6 @@ impl<R: Recorder> Merger<'_, R> {
             }
             _ => return Spectrum::ZERO,
         };
-        found.radiance / paths
+        found.radiance * per_path
     }
 }

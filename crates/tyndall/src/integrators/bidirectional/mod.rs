@@ -174,7 +174,7 @@ impl Bidirectional {
                 left += vertices.len();
             }
             let (max_depth, kernel) = (options.rules.max_depth, options.kernel);
-            let merger = Merger { scene, stores, kernel, max_depth, profile: &mut profile, record };
+            let merger = Merger { scene, stores, kernel, max_depth, profile: &mut profile, record, boost: 1.0 };
             let pairing = Pairing::new(joints);
             let seen = CameraPath::radiance(scene, options, effort, &vertices, merger, pairing, sample.film, sampler);
             record.finish(sample.place, sample.weight);

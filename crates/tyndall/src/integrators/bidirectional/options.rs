@@ -62,6 +62,8 @@ pub(in crate::integrators) struct Options {
     /// Exponent of progressive radii; 0 for the best.
     pub(super) alpha: f32,
     pub(super) kernel: Kernel,
+    /// Least share of the camera's walks that go on.
+    pub(super) continuation: f32,
     /// Whether two points are sampled jointly as well.
     pub(super) joint: bool,
     pub(super) memory: usize,
@@ -87,28 +89,29 @@ pub(super) mod declared {
         ParameterKind::Integer,
         "0",
         "",
-        "Light paths of a pass that leave points; 0 is one for each pixel, at most a million.",
+        "Light paths of a pass that leave points; 0 is so many that a pixel sees some 3 points, half a path to 8 for each pixel, at \
+         most a million.",
     );
     pub(in super::super) const BEAMS: ParameterInfo = parameter(
         "beams",
         ParameterKind::Integer,
         "0",
         "",
-        "Light paths of a pass that leave beams; 0 is a sixteenth of those that leave points.",
+        "Light paths of a pass that leave beams; 0 is a 64th of those that leave points.",
     );
     pub(in super::super) const RADIUS: ParameterInfo = parameter(
         "radius",
         ParameterKind::Float,
         "0",
         "m",
-        "First radius of the blur in media; 0 takes the smaller of a tenth of the mean free path and three pixels.",
+        "First radius of the blur in media; 0 takes the smaller of a tenth of the mean free path and three pixels, where the light is.",
     );
     pub(in super::super) const SURFACE_RADIUS: ParameterInfo = parameter(
         "surface_radius",
         ParameterKind::Float,
         "0",
         "m",
-        "First radius of the blur on surfaces; 0 takes two pixels.",
+        "First radius of the blur on surfaces; 0 takes two pixels, up to six times as many where little light arrives.",
     );
     pub(in super::super) const ALPHA: ParameterInfo = parameter(
         "alpha",
@@ -116,6 +119,14 @@ pub(super) mod declared {
         "0",
         "",
         "How slowly radii shrink, in (0, 1]; 1 keeps them, 0 takes the best for each blur, 4 / (dimension + 4).",
+    );
+    pub(in super::super) const CONTINUATION: ParameterInfo = parameter(
+        "continuation",
+        ParameterKind::Float,
+        "0.125",
+        "",
+        "Least share of the camera's walks that go on from their first vertex; 1 is all. Fewer go on the more has been merged \
+         there.",
     );
     pub(in super::super) const MEMORY: ParameterInfo = parameter(
         "memory",
@@ -141,6 +152,7 @@ impl Options {
             surface_radius: 0.0,
             alpha: 0.0,
             kernel: Kernel::default(),
+            continuation: 1.0,
             joint: parameters.declares("joint") && parameters.boolean("joint"),
             memory: usize::MAX,
         };
@@ -155,6 +167,8 @@ impl Options {
         options.radius = parameters.number("radius", |r| r >= 0.0, "a number from 0")?;
         options.surface_radius = parameters.number("surface_radius", |r| r >= 0.0, "a number from 0")?;
         options.alpha = parameters.number("alpha", |a| (0.0..=1.0).contains(&a), "a number from 0 to 1")?;
+        options.continuation =
+            parameters.number("continuation", |p| p > 0.0 && p <= 1.0, "a number above 0, up to 1")?;
         options.kernel = Kernel::named(&parameters.text("kernel")).unwrap_or_default();
         options.memory = usize::try_from(parameters.bytes("memory")).unwrap_or(usize::MAX);
         Ok(options)

@@ -1,6 +1,6 @@
 //! The names of the family.
 
-use super::options::declared::{ALPHA, BEAMS, MEMORY, PHOTONS, RADIUS, SURFACE_RADIUS, techniques};
+use super::options::declared::{ALPHA, BEAMS, CONTINUATION, MEMORY, PHOTONS, RADIUS, SURFACE_RADIUS, techniques};
 use super::{Bidirectional, LightTracing, Options};
 use crate::integrators::photon_mapping::declared::KERNEL;
 use crate::integrators::volpath::common::{HIDE_EMITTERS, MAX_DEPTH, RR_DEPTH};
@@ -43,6 +43,7 @@ pub const VCM: IntegratorInfo = IntegratorInfo {
         SURFACE_RADIUS,
         ALPHA,
         KERNEL,
+        CONTINUATION,
         MAX_DEPTH,
         RR_DEPTH,
         HIDE_EMITTERS,
@@ -65,6 +66,7 @@ pub const UPBP: IntegratorInfo = IntegratorInfo {
         SURFACE_RADIUS,
         ALPHA,
         KERNEL,
+        CONTINUATION,
         MAX_DEPTH,
         RR_DEPTH,
         HIDE_EMITTERS,

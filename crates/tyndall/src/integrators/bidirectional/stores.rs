@@ -7,9 +7,10 @@ use crate::math::{Kernel, Vec2, Vec3};
 use crate::photons::{BeamRadius, Beams, Extent, LightPaths, Photon, Points, TraceError, Tracing, Wanted};
 use crate::scene::Scene;
 use crate::walk::{Effort, LightDensity};
+use rayon::prelude::*;
 
 /// Light paths traced to find radii and how densely light is scattered.
-const PILOT_PATHS: u32 = 4096;
+const PILOT_PATHS: u32 = 1 << 14;
 /// The set of light paths that the pilot is.
 const PILOT_SET: u32 = u32::MAX;
 /// Added to the number of a pass for its set of beams, which is independent of that of points.
@@ -22,6 +23,14 @@ const FREE_PATHS: f32 = 0.1;
 const PIXELS: f32 = 3.0;
 /// Automatic radius on surfaces, in sizes of a pixel.
 const SURFACE_PIXELS: f32 = 2.0;
+/// How many times a local radius is larger or smaller than the usual one at most.
+const LOCAL: f32 = 4.0;
+/// Points that the light paths of a pass leave in each pixel on the mean, if that takes ...
+const SEEN_IN_PIXEL: f32 = 3.0;
+/// ... at least so many light paths for each pixel ...
+const LEAST_PATHS: f32 = 0.5;
+/// ... and at most so many.
+const MOST_PATHS: f32 = 8.0;
 
 /// Points and beams of some light paths.
 #[derive(Debug, Default)]
@@ -36,6 +45,16 @@ pub(super) struct Set {
     pub(super) arranged_beams: Beams,
     /// Light paths that left points, and beams.
     pub(super) paths: [f32; 2],
+}
+
+/// What the pilot has found.
+#[derive(Clone, Copy, Debug)]
+struct Survey {
+    /// Light paths that leave points.
+    paths: u32,
+    /// First radii in media and on surfaces, metres.
+    volume: f32,
+    on_surface: f32,
 }
 
 /// Radii of a pass, metres.
@@ -54,7 +73,7 @@ pub(super) struct Stores {
     first: Set,
     /// ... and where it has scattered before: fewer.
     beyond: Set,
-    radii: Option<(f32, f32)>,
+    survey: Option<Survey>,
     volume: Shrinking,
     other: Shrinking,
     /// What the techniques take of each path in this pass.
@@ -98,14 +117,21 @@ impl Set {
             self.points.trace(scene, &tracing(paths, pass, wanted))?;
             counts.light_paths += u64::from(paths);
             counts.photons += self.points.data() as u64;
+            let light = &effort.light;
+            let widen = |photons: &mut [Photon], radius: f32| {
+                photons.par_iter_mut().for_each(|p| p.radius = radius * light.in_medium(p.position).widening);
+            };
             if points && point_point {
+                widen(&mut self.points.points, ball);
                 self.for_points.rebuild(&self.points.points);
             }
             if points && beam_point {
-                self.points.points.iter_mut().for_each(|photon| photon.radius = disk);
+                widen(&mut self.points.points, disk);
                 self.for_beams.rebuild(&self.points.points);
             }
             if surface {
+                let photons = self.points.surfaces.par_iter_mut();
+                photons.for_each(|p| p.radius = patch * light.on_surface(p.position).widening);
                 self.on_surfaces.rebuild(&self.points.surfaces);
             }
         }
@@ -125,7 +151,7 @@ impl Stores {
         Self {
             first: Set::default(),
             beyond: Set::default(),
-            radii: None,
+            survey: None,
             volume: Shrinking::START,
             other: Shrinking::START,
             effort: Effort::default(),
@@ -154,15 +180,11 @@ impl Stores {
         let Techniques { bpt, surface, point_point, beam_point, beam_beam } = options.techniques;
         let (width, height) = scene.picture_size();
         let pixels = width as f32 * height as f32;
-        let paths = match options.photons {
-            0 => (width.saturating_mul(height)).clamp(1, 1 << 20),
-            n => n,
-        };
+        let Survey { paths, volume, on_surface } = self.survey(scene, options, seed)?;
         let beam_paths = match options.beams {
             0 => (paths / BEAM_SHARE).max(1),
             n => n,
         };
-        let (volume, on_surface) = self.first_radii(scene, options, seed)?;
         let alpha = |dimension: u32| match options.alpha {
             0.0 => 4.0 / (f64::from(dimension) + 4.0),
             alpha => f64::from(alpha),
@@ -179,6 +201,8 @@ impl Stores {
             beam_point: number(beam_point, paths) * Kernel::extent(2, disk),
             beam_beam: number(beam_beam, beam_paths) * Kernel::extent(1, width),
             light: std::mem::take(&mut self.effort.light),
+            most_first: 1.0 / options.continuation,
+            split: options.techniques.merge() && !scene.media().is_empty(),
         };
         let radii = Radii { ball, disk, width, patch };
         let beyond = |paths: u32| ((paths as f32 * Effort::BEYOND) as u32).max(1);
@@ -193,11 +217,10 @@ impl Stores {
         Ok(counts)
     }
 
-    /// Radii to begin with, in media and on surfaces, metres: as given, or from mean free paths and the size of a pixel
-    /// where light is scattered. Finds out how densely it is scattered, too.
-    fn first_radii(&mut self, scene: &Scene, options: &Options, seed: u64) -> Result<(f32, f32), TraceError> {
-        if let Some(radii) = self.radii {
-            return Ok(radii);
+    /// Finds out how densely light is scattered, and from that how many light paths to take and with which radii to begin.
+    fn survey(&mut self, scene: &Scene, options: &Options, seed: u64) -> Result<Survey, TraceError> {
+        if let Some(survey) = self.survey {
+            return Ok(survey);
         }
         let wanted = Wanted { points: true, surfaces: true, direct: true, ..Wanted::default() };
         let tracing = Tracing {
@@ -215,31 +238,57 @@ impl Stores {
         };
         let pilot = &mut self.first.points;
         pilot.trace(scene, &tracing)?;
+        let free = |photon: &Photon| {
+            let medium = photon.tag.medium().map(|id| scene.medium(id));
+            FREE_PATHS / medium.map_or(0.0, |medium| medium.sigma_t(photon.position).mean())
+        };
+        // The best radius at every place; what the picture does not show says nothing of its pixels.
+        let in_media = |photon: &Photon| match options.radius {
+            0.0 => Some(free(photon).min(PIXELS * pixel_size(scene, photon.position)?)),
+            radius => Some(radius),
+        };
+        let on_surfaces = |photon: &Photon| match options.surface_radius {
+            0.0 => Some(SURFACE_PIXELS * pixel_size(scene, photon.position)?),
+            radius => Some(radius),
+        };
         let LightPaths { points, surfaces, .. } = pilot;
-        let (mut volume, mut surface) = (options.radius, options.surface_radius);
-        if volume == 0.0 {
-            let free = |photon: &Photon| {
-                let medium = photon.tag.medium().map(|id| scene.medium(id));
-                FREE_PATHS / medium.map_or(0.0, |medium| medium.sigma_t(photon.position).mean())
-            };
-            // What the picture does not show says nothing of its pixels.
-            let seen = |photon: &Photon| Some(free(photon).min(PIXELS * pixel_size(scene, photon.position)?));
-            volume =
-                median(points.iter().filter_map(seen)).or_else(|| median(points.iter().map(free))).unwrap_or(NOWHERE);
+        let local: [Vec<Option<f32>>; 2] =
+            [points.iter().map(in_media).collect(), surfaces.iter().map(on_surfaces).collect()];
+        let usual = |radii: &[Option<f32>]| median(radii.iter().flatten().copied());
+        let volume = usual(&local[0]).or_else(|| median(points.iter().map(free))).unwrap_or(NOWHERE);
+        let on_surface = usual(&local[1]).unwrap_or(volume);
+
+        let Techniques { surface, point_point, beam_point, .. } = options.techniques;
+        let merged = [(&*points, point_point || beam_point), (&*surfaces, surface)];
+        let merged = merged.into_iter().filter(|(_, wanted)| *wanted).flat_map(|(photons, _)| photons);
+        let seen = merged.filter(|photon| pixel_size(scene, photon.position).is_some()).count();
+        let (width, height) = scene.picture_size();
+        let pixels = width as f32 * height as f32;
+        let paths = match options.photons {
+            0 => {
+                let enough = SEEN_IN_PIXEL * pixels * PILOT_PATHS as f32 / seen.max(1) as f32;
+                (enough.clamp(LEAST_PATHS * pixels, MOST_PATHS * pixels) as u32).clamp(1, 1 << 20)
+            }
+            n => n,
+        };
+        let places = |photons: &[Photon], radii: &[Option<f32>], usual: f32| {
+            let widening = |radius: &Option<f32>| radius.map_or(1.0, |r| (r / usual).clamp(1.0 / LOCAL, LOCAL));
+            photons.iter().zip(radii).map(|(photon, radius)| (photon.position, widening(radius))).collect::<Vec<_>>()
+        };
+        let (points, surfaces) = (places(points, &local[0], volume), places(surfaces, &local[1], on_surface));
+        self.effort.light = LightDensity::new(&points, &surfaces, PILOT_PATHS);
+        if options.radius == 0.0 {
+            self.effort.light.widen_in_media(volume, paths);
         }
-        if surface == 0.0 {
-            let radius = |photon: &Photon| Some(SURFACE_PIXELS * pixel_size(scene, photon.position)?);
-            surface = median(surfaces.iter().filter_map(radius)).unwrap_or(volume);
+        if options.surface_radius == 0.0 {
+            self.effort.light.widen_on_surfaces(on_surface, paths);
         }
-        let places = |photons: &[Photon]| photons.iter().map(|photon| photon.position).collect::<Vec<_>>();
-        self.effort.light = LightDensity::new(&places(points), &places(surfaces), PILOT_PATHS);
-        self.radii = Some((volume, surface));
-        Ok((volume, surface))
+        Ok(*self.survey.insert(Survey { paths, volume, on_surface }))
     }
 }
 
 /// Paths that leave points for each that leaves beams: a beam meets about so many more camera rays than a point.
-const BEAM_SHARE: u32 = 16;
+const BEAM_SHARE: u32 = 64;
 
 /// Radius where there is nothing to merge, metres.
 const NOWHERE: f32 = 1e-3;
