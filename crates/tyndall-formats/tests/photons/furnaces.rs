@@ -134,33 +134,6 @@ fn boxed(sigma: [f64; 3], ior: f64) -> impl Fn(Blur, f64) -> [f64; 3] {
     move |blur, radius| sigma.map(|s| through_the_box(ior).lost(blur, radius, &|x| (u32::from(in_box(x)), s)))
 }
 
-fn all(ways: &[(&str, &str, f64)]) {
-    let chromatic = [3.0, 1.0, 0.3];
-    check(&furnace("isotropic", Furnace::default()), ways, boxed([1.0; 3], 1.0));
-    check(&furnace("chromatic", Furnace { sigma_t: chromatic, ..Furnace::default() }), ways, boxed(chromatic, 1.0));
-    check(&furnace("glass", Furnace { glass: true, ..Furnace::default() }), ways, boxed([1.0; 3], 1.5));
-    check(&furnace("forward", Furnace { g: 0.7, ..Furnace::default() }), ways, boxed([1.0; 3], 1.0));
-    // The density at the front face, which the camera meets first, and at the back.
-    let ramp = |blur, radius| {
-        let density = |z: f64| {
-            let voxels = [0.05, 0.1, 0.4, 1.0, 0.6, 0.0, 0.0, 0.3];
-            let u = ((z + 1.0) * 4.0 - 0.5).clamp(0.0, 7.0);
-            let (i, f) = ((u as usize).min(6), u - u.floor());
-            let f = if u >= 7.0 { 1.0 } else { f };
-            3.0 * (voxels[i] * (1.0 - f) + voxels[i + 1] * f)
-        };
-        [through_the_box(1.0).lost(blur, radius, &|x| (u32::from(in_box(x)), density(x[2]))); 3]
-    };
-    check(&furnace("ramp", Furnace { ramp: true, ..Furnace::default() }), ways, ramp);
-    let nest = |blur, radius| {
-        [2.0, 4.0, 0.8].map(|core| {
-            let medium = |x| if in_ball(x) { (2, core) } else { (u32::from(in_box(x)), 1.0) };
-            through_the_box(1.0).lost(blur, radius, &medium)
-        })
-    };
-    check(&nested(), ways, nest);
-}
-
 #[test]
 fn walls_that_are_nothing() {
     let ways = [("beam-beam-1d", "long", 0.05), ("bre", "", 0.1)];
@@ -177,10 +150,62 @@ fn a_room_whose_walls_glow() {
     check(&furnace_room(0.5), &[("beam-beam-1d", "short", 0.05)], nothing);
 }
 
-/// Every way in every furnace: `cargo test --release -p tyndall-formats --test photons -- --ignored --nocapture every_way`,
-/// half an hour.
-#[test]
-#[ignore = "half an hour"]
-fn every_way_in_every_furnace() {
-    all(&WAYS);
+/// Every way in every furnace: `cargo test --release -p tyndall-formats --test photons -- --ignored --nocapture
+/// every_way`, an hour, or with a furnace's name for one.
+mod every_way {
+    use super::*;
+
+    #[test]
+    #[ignore = "some minutes"]
+    fn isotropic() {
+        check(&furnace("isotropic", Furnace::default()), &WAYS, boxed([1.0; 3], 1.0));
+    }
+
+    #[test]
+    #[ignore = "some minutes"]
+    fn chromatic() {
+        let sigma_t = [3.0, 1.0, 0.3];
+        check(&furnace("chromatic", Furnace { sigma_t, ..Furnace::default() }), &WAYS, boxed(sigma_t, 1.0));
+    }
+
+    #[test]
+    #[ignore = "some minutes"]
+    fn glass() {
+        check(&furnace("glass", Furnace { glass: true, ..Furnace::default() }), &WAYS, boxed([1.0; 3], 1.5));
+    }
+
+    #[test]
+    #[ignore = "a quarter of an hour"]
+    fn forward() {
+        check(&furnace("forward", Furnace { g: 0.7, ..Furnace::default() }), &WAYS, boxed([1.0; 3], 1.0));
+    }
+
+    /// The density at the front face, which the camera meets first, and at the back.
+    #[test]
+    #[ignore = "some minutes"]
+    fn ramp() {
+        let ramp = |blur, radius| {
+            let density = |z: f64| {
+                let voxels = [0.05, 0.1, 0.4, 1.0, 0.6, 0.0, 0.0, 0.3];
+                let u = ((z + 1.0) * 4.0 - 0.5).clamp(0.0, 7.0);
+                let (i, f) = ((u as usize).min(6), u - u.floor());
+                let f = if u >= 7.0 { 1.0 } else { f };
+                3.0 * (voxels[i] * (1.0 - f) + voxels[i + 1] * f)
+            };
+            [through_the_box(1.0).lost(blur, radius, &|x| (u32::from(in_box(x)), density(x[2]))); 3]
+        };
+        check(&furnace("ramp", Furnace { ramp: true, ..Furnace::default() }), &WAYS, ramp);
+    }
+
+    #[test]
+    #[ignore = "some minutes"]
+    fn nests() {
+        let lost = |blur, radius| {
+            [2.0, 4.0, 0.8].map(|core| {
+                let medium = |x| if in_ball(x) { (2, core) } else { (u32::from(in_box(x)), 1.0) };
+                through_the_box(1.0).lost(blur, radius, &medium)
+            })
+        };
+        check(&nested(), &WAYS, lost);
+    }
 }

@@ -79,10 +79,8 @@ impl Effort {
         let length = self.light.beam_length(medium.sigma_t(x).mean());
         // Beams meet under all angles, whose mean sine is pi / 4.
         let beams = beam_point + std::f32::consts::FRAC_PI_4 * self.beam_beam * length;
-        let usual = density * (point_point + beams * length);
-        let share = Self::BEYOND / (1.0 + Self::BEYOND * usual);
-        let most = self.most_first;
-        Merges { usual, most, share, connect: 1.0, surface: 0.0, point_point, beam_point, beam_beam: self.beam_beam }
+        let (first, share) = self.shares(density * (point_point + beams * length));
+        Merges { first, share, connect: 1.0, surface: 0.0, point_point, beam_point, beam_beam: self.beam_beam }
     }
 
     /// What is merged at `x` on a surface wide enough in its scattering.
@@ -90,19 +88,22 @@ impl Effort {
     pub fn on_surface(&self, x: Vec3) -> Merges {
         let Cell { density, widening } = self.light.on_surface(x);
         let surface = self.surface * widening * widening;
-        let usual = density * surface;
-        let share = Self::BEYOND / (1.0 + Self::BEYOND * usual);
-        Merges { usual, most: self.most_first, share, surface, ..Merges::NONE }
+        let (first, share) = self.shares(density * surface);
+        Merges { first, share, surface, ..Merges::NONE }
+    }
+
+    /// The first two of [`Merges`] where so many merges are expected for each camera's walk that is merged with all.
+    #[inline(always)]
+    fn shares(&self, expected: f32) -> (f32, f32) {
+        ((1.0 + expected).min(self.most_first), Self::BEYOND / (1.0 + Self::BEYOND * expected))
     }
 }
 
 /// What is merged at a place, in the units of [`Effort`].
 #[derive(Clone, Copy, Debug)]
 pub struct Merges {
-    /// How many merges there are about, for each camera's walk that is merged with all.
-    pub usual: f32,
-    /// As in [`Effort::most_first`].
-    pub most: f32,
+    /// How many times as many of the camera's walks come here first as go on from here.
+    pub first: f32,
     /// The share of it that there is and that counts: see [`crate::walk::density`].
     pub share: f32,
     /// What a connection with the vertex counts, in units of those of a camera's walk that has gone on.
@@ -119,22 +120,13 @@ pub struct Merges {
 
 impl Merges {
     /// Nothing.
-    pub const NONE: Self = Self {
-        usual: 0.0,
-        most: 1.0,
-        share: 1.0,
-        connect: 1.0,
-        surface: 0.0,
-        point_point: 0.0,
-        beam_point: 0.0,
-        beam_beam: 0.0,
-    };
+    pub const NONE: Self =
+        Self { first: 1.0, share: 1.0, connect: 1.0, surface: 0.0, point_point: 0.0, beam_point: 0.0, beam_beam: 0.0 };
 
     /// Where the camera's walk has not scattered before: all counts, and more than beyond, where few walks come.
     #[inline(always)]
     pub fn first(self) -> Self {
-        let more = (1.0 + self.usual).min(self.most);
-        Self { share: more, connect: more, ..self }
+        Self { share: self.first, connect: self.first, ..self }
     }
 }
 
