@@ -13,7 +13,7 @@ const IN_CELL: f32 = 16.0;
 /// Share of the places that are left out at each end of each axis, so that a few far ones do not spread the cells.
 const OUTLIERS: f32 = 0.01;
 /// Points that a widened radius takes in.
-const TAKEN_IN: f32 = 16.0;
+const TAKEN_IN: f32 = 8.0;
 /// How many times a radius is widened at most.
 const WIDEST: f32 = 6.0;
 

@@ -26,11 +26,13 @@ const SURFACE_PIXELS: f32 = 2.0;
 /// How many times a local radius is larger or smaller than the usual one at most.
 const LOCAL: f32 = 4.0;
 /// Points that the light paths of a pass leave in each pixel on the mean, if that takes ...
-const SEEN_IN_PIXEL: f32 = 3.0;
+const SEEN_IN_PIXEL: f32 = 1.0;
 /// ... at least so many light paths for each pixel ...
 const LEAST_PATHS: f32 = 0.5;
-/// ... and at most so many.
+/// ... and at most so many ...
 const MOST_PATHS: f32 = 8.0;
+/// ... or as many as leave so many points, seen or not.
+const MOST_POINTS: f32 = 6.0;
 
 /// Points and beams of some light paths.
 #[derive(Debug, Default)]
@@ -266,8 +268,9 @@ impl Stores {
         let pixels = width as f32 * height as f32;
         let paths = match options.photons {
             0 => {
-                let enough = SEEN_IN_PIXEL * pixels * PILOT_PATHS as f32 / seen.max(1) as f32;
-                (enough.clamp(LEAST_PATHS * pixels, MOST_PATHS * pixels) as u32).clamp(1, 1 << 20)
+                let leaving = |wanted: f32, found: usize| wanted * PILOT_PATHS as f32 / found.max(1) as f32;
+                let most = MOST_PATHS.min(leaving(MOST_POINTS, points.len() + surfaces.len())).max(LEAST_PATHS);
+                ((pixels * leaving(SEEN_IN_PIXEL, seen).clamp(LEAST_PATHS, most)) as u32).clamp(1, 1 << 20)
             }
             n => n,
         };
