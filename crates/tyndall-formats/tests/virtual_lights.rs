@@ -106,6 +106,25 @@ fn beams_and_spheres_of_light() {
     }
 }
 
+/// Surfaces by photon mapping, light scattered once by photon beams and more often by ray lights, in one picture
+/// (Novak et al. 2012a, section 6). In a room whose walls glow evenly photons lose nothing at edges.
+#[test]
+fn composed_with_photons() {
+    let parts = [
+        ("photonmap", "emitted+direct+indirect+caustic"),
+        ("beams", "single"),
+        ("vrl", "multiple"),
+        ("photonmap.photons", "1000"),
+        ("photonmap.surface_radius", "0.15"),
+        ("beams.photons", "300"),
+        ("beams.radius", "0.05"),
+        ("vrl.photons", "20"),
+        ("vrl.lights", "0"),
+    ];
+    let case = furnace_room(0.5);
+    check("composite", &parts, &case, case.radiance, 0.01);
+}
+
 /// Lights cut off at a quarter of the mean free path.
 fn cut_off(compensation: &'static str) -> Vec<(&'static str, &'static str)> {
     vec![("photons", "20"), ("clamp", "16"), ("compensation", compensation), ("lights", "0")]

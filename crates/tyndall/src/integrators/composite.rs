@@ -36,6 +36,11 @@ const PARAMETERS: &[ParameterInfo] = &[
     part("pvpm"),
     part("pbre"),
     part("ppb"),
+    part("vpl"),
+    part("vsl"),
+    part("vrl"),
+    part("vbl"),
+    part("lightcuts"),
     MAX_DEPTH,
     HIDE_EMITTERS,
 ];

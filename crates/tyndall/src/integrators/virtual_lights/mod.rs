@@ -91,9 +91,11 @@ pub(super) struct VirtualLights {
     counts: Counts,
 }
 
-/// Automatic radius of lights, in units of the mean length of light's segments in media; on surfaces only, of the scene's
-/// diagonal.
+/// Automatic radius of vertices and of rays, in units of the mean length of light's segments in media. The singularity of
+/// rays is weaker: a wider ball has more noise of its own than it takes away.
 const USUAL_RADIUS: [f32; 2] = [0.1, 0.01];
+/// Automatic radius without media, in units of the scene's diagonal.
+const SURFACE_RADIUS: f32 = 0.01;
 
 /// Contrast of a phase function, and optical depth of a camera's ray, from which on a table of turns pays.
 const UNEVEN: f32 = 1.5;
@@ -153,10 +155,11 @@ impl VirtualLights {
             (None, Some(_)) => {
                 let pilot = self.tracing(seed, PILOT_SET);
                 self.paths.trace(scene, &Tracing { wanted: Wanted { beams: true, ..pilot.wanted }, ..pilot })?;
-                let lengths = self.paths.beams.iter().map(|beam| f64::from(beam.length));
+                let usual = f64::from(USUAL_RADIUS[usize::from(self.options.rays)]);
+                let lengths: f64 = self.paths.beams.iter().map(|beam| f64::from(beam.length)).sum();
                 match self.paths.beams.len() {
-                    0 => USUAL_RADIUS[1] * scene.geometry.bounds().extent().length(),
-                    count => USUAL_RADIUS[0] * (lengths.sum::<f64>() / count as f64) as f32,
+                    0 => SURFACE_RADIUS * scene.geometry.bounds().extent().length(),
+                    count => (usual * lengths / count as f64) as f32,
                 }
             }
         };

@@ -67,7 +67,7 @@ const RADIUS: ParameterInfo = ParameterInfo {
     kind: ParameterKind::Float,
     default: "0",
     unit: "m",
-    description: "Radius of the lights in the first pass; 0 is a tenth of the mean length of light's segments in media.",
+    description: "Radius of the lights in the first pass; 0 is a tenth of the mean length of light's segments in media, for `vbl` a hundredth.",
 };
 
 const ERROR: ParameterInfo = parameter(
