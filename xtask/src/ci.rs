@@ -61,7 +61,10 @@ pub(crate) fn run(root: &Path) -> Result<(), String> {
     println!("==> book");
     crate::book::check(root)?;
     if root.join("fuzz/Cargo.toml").exists() {
-        step(root, &mut cargo("check --manifest-path fuzz/Cargo.toml"))?;
+        // With the profile of the steps before, so that most of the libraries they have checked serve here too.
+        let same = "--release --target-dir target --config profile.release.debug-assertions=false \
+                    --config profile.release.overflow-checks=false";
+        step(root, &mut cargo(&format!("check --manifest-path fuzz/Cargo.toml {same}")))?;
     }
     println!("all passed");
     Ok(())
