@@ -104,7 +104,7 @@ impl Effort {
 pub struct Merges {
     /// How many times as many of the camera's walks come here first as go on from here.
     pub first: f32,
-    /// The share of it that there is and that counts: see [`crate::walk::density`].
+    /// The share of the merges that there is and that counts: see [`crate::walk::density`].
     pub share: f32,
     /// What a connection with the vertex counts, in units of those of a camera's walk that has gone on.
     pub connect: f32,

@@ -89,8 +89,8 @@ pub(super) mod declared {
         ParameterKind::Integer,
         "0",
         "",
-        "Light paths of a pass that leave points; 0 is so many that a pixel sees some 3 points, half a path to 8 for each pixel, at \
-         most a million.",
+        "Light paths of a pass that leave points; 0 is so many that a pixel sees one point: half a path to 8 for each pixel, \
+         fewer where they leave more than 6 points, at most a million.",
     );
     pub(in super::super) const BEAMS: ParameterInfo = parameter(
         "beams",
