@@ -2,7 +2,8 @@
 
 Every renderer runs as a whole process on the same machine in the same run. Error is relMSE = mean((I - R)^2 / (R^2 + 1e-3))
 over pixels and channels, the worst 0.1 % of the pixels dropped, against R, Mitsuba's own image at many samples, kept in the
-cache. Three figures: samples per CPU-second, error at 64 samples, and what it takes to reach Mitsuba's error at 64 samples.
+cache. Three figures: samples per CPU-second, error at 64 samples, and what it takes to reach Mitsuba's error at 64 samples; the
+first two of path tracing, the last of every integrator asked for: the user of a scene may choose the one that suits it.
 
 The reference is Mitsuba's volpath: light that it cannot find (a point or spot light through smooth glass) is missing there too.
 
@@ -61,7 +62,7 @@ class Race:
 
         return (*seconds, np.load(out))
 
-    def tyndall(self, spp):
+    def tyndall(self, spp, integrator):
         import mitsuba as mi
         import numpy as np
 
@@ -69,7 +70,7 @@ class Race:
         o = self.options
         out = o.cache / "tyndall.exr"
         command = [o.tyndall, "render", self.scene, "--spp", spp, "--threads", o.threads, "--seed", 1, "-o", out]
-        command += ["-D", f"res={o.size}", "--no-preview", "--quiet"] + (["-i", o.integrator] if o.integrator else [])
+        command += ["-D", f"res={o.size}", "--no-preview", "--quiet", "-i", integrator]
         seconds = run([str(word) for word in command])
         return (*seconds, np.array(mi.Bitmap(str(out)), dtype=np.float64)[..., :3])
 
@@ -111,15 +112,15 @@ def variants():
     return found
 
 
-def to_error(race, goal, first, tries=5):
-    """Fewest samples found with which Tyndall's error is at most `goal`: its samples, seconds and error."""
+def to_error(race, integrator, goal, first, tries=5):
+    """Fewest samples found with which the integrator's error is at most `goal`: its samples, seconds and error."""
     best, spp = None, max(1, first)
     tested = set()
     for _ in range(tries):
         if spp in tested:
             break
         tested.add(spp)
-        wall, cpu, image = race.tyndall(spp)
+        wall, cpu, image = race.tyndall(spp, integrator)
         error = rel_mse(image, race.truth)
         if error <= goal and (best is None or spp < best[0]):
             best = (spp, wall, cpu, error)
@@ -138,7 +139,7 @@ def race(options, scene, names):
     print("| " + " | ".join(head) + " |\n|" + " --- |" * len(head))
     rows = {}
     for name in [*names, "tyndall"]:
-        render = r.tyndall if name == "tyndall" else lambda spp, name=name: r.mitsuba(name, spp)
+        render = lambda spp, name=name: r.tyndall(spp, "volpath") if name == "tyndall" else r.mitsuba(name, spp)
         start = render(1)[1]
         wall, cpu, image = render(SPP)
         error = rel_mse(image, r.truth)
@@ -148,16 +149,19 @@ def race(options, scene, names):
         print(f"| {name if name == 'tyndall' else 'Mitsuba ' + name} | {figures} | {mean:.4f} |", flush=True)
     for name in names:
         wall, cpu, error = rows[name]
-        found = to_error(r, error, round(SPP * rows["tyndall"][2] / error))
-        if found is None:
-            print(f"to the error of Mitsuba {name} at {SPP} samples ({error:.4g}): not reached")
-            continue
-        spp, our_wall, our_cpu, our_error = found
-        print(
-            f"to the error of Mitsuba {name} at {SPP} samples ({error:.4g}): tyndall takes {spp} samples ({our_error:.4g}), "
-            f"{our_wall:.2f} s wall, {our_cpu:.2f} CPU s: {wall / our_wall:.2f} times as fast by wall, {cpu / our_cpu:.2f} by CPU",
-            flush=True,
-        )
+        print(f"to the error of Mitsuba {name} at {SPP} samples ({error:.4g}):")
+        for integrator in o.integrators.split(","):
+            first = round(SPP * rows["tyndall"][2] / error) if integrator == "volpath" else 1
+            found = to_error(r, integrator, error, first)
+            if found is None:
+                print(f"  {integrator}: not reached", flush=True)
+                continue
+            spp, our_wall, our_cpu, our_error = found
+            print(
+                f"  {integrator}: {spp} samples ({our_error:.4g}), {our_wall:.2f} s wall, {our_cpu:.2f} CPU s: "
+                f"{wall / our_wall:.2f} times as fast by wall, {cpu / our_cpu:.2f} by CPU",
+                flush=True,
+            )
 
 
 def main():
@@ -170,7 +174,7 @@ def main():
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--size", type=int, default=256)
     parser.add_argument("--reference-spp", type=int, default=1024)
-    parser.add_argument("--integrator")
+    parser.add_argument("--integrators", default="volpath,pbre")
     parser.add_argument("only", nargs="?", default="")
     options = parser.parse_args()
     names = variants()

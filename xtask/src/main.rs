@@ -43,9 +43,9 @@ enum Task {
         /// Width and height of the images.
         #[arg(long, default_value_t = 256)]
         size: u32,
-        /// Integrator of Tyndall, instead of the scene's.
-        #[arg(long)]
-        integrator: Option<String>,
+        /// Integrators of Tyndall that run to Mitsuba's error.
+        #[arg(long, default_value = "volpath,pbre")]
+        integrators: String,
     },
 }
 
@@ -62,8 +62,8 @@ fn main() -> ExitCode {
         Task::Book => book::write(&root),
         Task::Scenes => scenes::write(&root).map_err(|e| format!("cannot write the scenes: {e}")),
         Task::References { only } => python::references(&root, only.as_deref()),
-        Task::Peers { only, threads, size, integrator } => {
-            python::peers(&root, only.as_deref(), threads, size, integrator.as_deref())
+        Task::Peers { only, threads, size, integrators } => {
+            python::peers(&root, only.as_deref(), threads, size, &integrators)
         }
     };
     match result {

@@ -40,13 +40,7 @@ pub(crate) fn references(root: &Path, only: Option<&str>) -> Result<(), String> 
 }
 
 /// Runs the races on scenes/peers.
-pub(crate) fn peers(
-    root: &Path,
-    only: Option<&str>,
-    threads: u32,
-    size: u32,
-    integrator: Option<&str>,
-) -> Result<(), String> {
+pub(crate) fn peers(root: &Path, only: Option<&str>, threads: u32, size: u32, integrators: &str) -> Result<(), String> {
     crate::scenes::peers(root).map_err(|e| format!("cannot write the grid of the peers' smoke: {e}"))?;
     step(root, Command::new("cargo").args(["build", "--quiet", "--release", "--package", "tyndall-cli"]))?;
     let mut command = script(root, "peers.py")?;
@@ -54,8 +48,6 @@ pub(crate) fn peers(
     command.args(["--tyndall"]).arg(root.join("target/release/tyndall"));
     command.args(["--cache"]).arg(root.join("target/peers"));
     command.args(["--threads", &threads.to_string(), "--size", &size.to_string()]);
-    if let Some(name) = integrator {
-        command.args(["--integrator", name]);
-    }
+    command.args(["--integrators", integrators]);
     step(root, command.args(only))
 }

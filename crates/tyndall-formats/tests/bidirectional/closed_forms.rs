@@ -69,5 +69,5 @@ fn techniques_of_unified_points_beams_and_paths() {
 fn every_subset_of_unified_points_beams_and_paths() {
     let subsets = subsets();
     let subsets: Vec<&str> = subsets.iter().map(String::as_str).collect();
-    unified(&subsets, &named(&["infinite-double", "infinite-forward", "infinite-chromatic-triple"]), 700, 0.1);
+    unified(&subsets, &named(&["infinite-double", "infinite-forward", "infinite-chromatic-triple"]), 1 << 14, 0.1);
 }

@@ -70,7 +70,8 @@ pub fn mean(
             result.0[c] = picture.pixels.iter().map(|p| f64::from(p[c])).sum::<f64>() / n;
             result.1[c] = picture.variance.iter().map(|v| f64::from(v[c])).sum::<f64>().sqrt() / n;
         }
-        let done = (0..3).all(|c| result.1[c] <= precise * truth[c].abs());
+        // A picture that is still black has no spread, but says nothing.
+        let done = (0..3).all(|c| result.0[c] != 0.0 && result.1[c] <= precise * truth[c].abs());
         // A look at fixed numbers of passes only, so that the machine's speed decides nothing.
         if done && rendering.passes() >= 16 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
