@@ -2,7 +2,7 @@
 
 use crate::reciprocity::scenes;
 use tyndall::Scene;
-use tyndall::estimators::connect::{Join, Sight};
+use tyndall::estimators::connect::{Join, Sight, sight};
 use tyndall::estimators::transport::{departure, is_smooth, turn};
 use tyndall::math::{Ray, Rng, Sampler, Vec3};
 use tyndall::mis::{self, Lit, Meeting, Merging};
@@ -77,7 +77,8 @@ fn backwards(steps: &[Step], leaving: Vec3) -> Vec<Step> {
     steps.iter().zip(directions).map(turned).rev().collect()
 }
 
-/// Tells `found` the sum of the weights of all techniques for full paths: those into which two random walks can be joined.
+/// Tells `found` the sum of the weights of all techniques for full paths: those into which two random walks can be joined,
+/// or one of light and the lens.
 fn sums(scene: &Scene, effort: &Effort, sampler: &mut Sampler, mut found: impl FnMut(f64)) {
     let Some(emission) = scene.sample_emission(sampler.f32(), sampler.vec2(), sampler.vec2()) else { return };
     let mut light = Record::default();
@@ -94,6 +95,18 @@ fn sums(scene: &Scene, effort: &Effort, sampler: &mut Sampler, mut found: impl F
     walk::<FromCamera, _>(scene, start, &RULES, sampler, &mut camera);
     let end = LightEnd::of_emission(&emission, &scene.lights);
     for s in 0..light.0.len() {
+        // Light's walk alone, joined with the lens.
+        let mut steps = light.0[..=s].to_vec();
+        let last = steps[s].vertex;
+        let seen = is_smooth(scene, &last).then(|| sight(scene, &last, sampler.vec2(), |_| true, sampler.rng()));
+        if let Some(Sight { direction, lens, .. }) = seen.flatten() {
+            let to_last = Ray { origin: lens.lens, direction: -direction };
+            steps[s].delta = false;
+            let (ray, medium) = (&emission.ray, emission.medium);
+            if let Some(sum) = sum_of(scene, effort, &end, ray, medium, &steps, &to_last, sampler.rng()) {
+                found(sum);
+            }
+        }
         for t in 0..camera.0.len() {
             // The full path as light walks it. Both ends of the joint scatter anew.
             let (y, z) = (light.0[s].vertex, camera.0[t].vertex);

@@ -64,12 +64,13 @@ pub fn weigh_sampled(
     distance2: f32,
 ) -> f32 {
     let Lit { density, sampled } = lit;
-    let sampled = camera.corner.merges.connect * sampled;
+    let Merges { connect, direct, .. } = camera.corner.merges;
     let onward = camera.arrival.depart::<FromCamera>(effort, &camera.corner, direction, Some(0.0), turn.reverse.0);
     let spread = if density.parallel { 1.0 } else { 1.0 / distance2 };
     let after = density.onward * spread * onward.before::<FromCamera>(edge);
     let hit = if density.hittable { turn.pdf.0 * density.cos * spread * edge.survival } else { 0.0 };
-    sampled / (sampled + hit + density.place * after)
+    let direct = direct * connect;
+    direct * sampled / (direct * (sampled + hit) + density.place * after)
 }
 
 /// Weight of an emitter that the camera's walk runs into at the end of `leg`, with `spread` that of the leg; 1 at
@@ -78,7 +79,8 @@ pub fn weigh_sampled(
 pub fn weigh_hit(lit: &Lit, leg: &Leg, edge: &Edge, spread: f32) -> f32 {
     let Lit { density, sampled } = lit;
     let Arrival { connected, before, .. } = leg.arrive::<FromCamera>(edge, spread, density.cos, false);
-    1.0 / (1.0 + sampled * connected + density.place * density.onward * before)
+    let Leg { hits, direct, .. } = *leg;
+    direct * hits / (direct * (hits + sampled * connected) + density.place * density.onward * before)
 }
 
 /// Where a datum of light and a query of the camera meet.
@@ -130,7 +132,7 @@ impl Merging {
 #[inline]
 pub fn weigh_merge(technique: Merging, meeting: &Meeting) -> f32 {
     let Meeting { light, camera, onward, back, sin, merges } = meeting;
-    let Merges { share, connect, surface, point_point, .. } = *merges;
+    let Merges { share, surface, point_point, .. } = *merges;
     // In units of the density of both walks colliding at the place.
     let beam_point = merges.beam_point * camera.covered;
     let beam_beam = merges.beam_beam * sin * camera.covered * light.covered;
@@ -141,7 +143,7 @@ pub fn weigh_merge(technique: Merging, meeting: &Meeting) -> f32 {
         Merging::BeamPoint => (beam_point, in_medium),
         Merging::BeamBeam => (beam_beam, in_medium),
     };
-    let before = connect * light.connected + light.before * back.0;
-    let after = connect * camera.connected + camera.before * onward.0;
+    let before = light.behind(merges, back.0);
+    let after = camera.behind(merges, onward.0);
     share * own / (share * all + before + after)
 }

@@ -69,6 +69,10 @@ impl Effort {
     /// Light paths merged where the camera's walk has scattered before, for each merged at its first vertex.
     pub const BEYOND: f32 = 1.0 / 16.0;
 
+    /// Merges on a surface for which one sample of direct light at the camera's first vertex counts: it varies less from
+    /// sample to sample than the number of photons that lie there by chance.
+    pub const DIRECT: f32 = 8.0;
+
     /// What is merged at `x` in `medium`.
     #[inline]
     pub fn in_medium(&self, medium: &Medium, x: Vec3) -> Merges {
@@ -80,7 +84,7 @@ impl Effort {
         // Beams meet under all angles, whose mean sine is pi / 4.
         let beams = beam_point + std::f32::consts::FRAC_PI_4 * self.beam_beam * length;
         let (first, share) = self.shares(density * (point_point + beams * length));
-        Merges { first, share, connect: 1.0, surface: 0.0, point_point, beam_point, beam_beam: self.beam_beam }
+        Merges { first, share, point_point, beam_point, beam_beam: self.beam_beam, ..Merges::NONE }
     }
 
     /// What is merged at `x` on a surface wide enough in its scattering.
@@ -108,6 +112,8 @@ pub struct Merges {
     pub share: f32,
     /// What a connection with the vertex counts, in units of those of a camera's walk that has gone on.
     pub connect: f32,
+    /// How many times as much the camera's walks find direct light, by sampling emitters or running into them.
+    pub direct: f32,
     /// As in [`Effort`], with the radii of the place ...
     pub surface: f32,
     /// ... in all techniques.
@@ -120,13 +126,22 @@ pub struct Merges {
 
 impl Merges {
     /// Nothing.
-    pub const NONE: Self =
-        Self { first: 1.0, share: 1.0, connect: 1.0, surface: 0.0, point_point: 0.0, beam_point: 0.0, beam_beam: 0.0 };
+    pub const NONE: Self = Self {
+        first: 1.0,
+        share: 1.0,
+        connect: 1.0,
+        direct: 1.0,
+        surface: 0.0,
+        point_point: 0.0,
+        beam_point: 0.0,
+        beam_beam: 0.0,
+    };
 
     /// Where the camera's walk has not scattered before: all counts, and more than beyond, where few walks come.
     #[inline(always)]
     pub fn first(self) -> Self {
-        Self { share: self.first, connect: self.first, ..self }
+        let direct = if self.surface > 0.0 { Effort::DIRECT } else { 1.0 };
+        Self { share: self.first, connect: self.first, direct, ..self }
     }
 }
 
@@ -160,6 +175,8 @@ impl Corner {
 /// A walk that has come to a vertex.
 #[derive(Clone, Copy, Debug)]
 pub struct Arrival {
+    /// Whether the last vertex is on the emitter: what is before is direct light of this one.
+    pub emitted: bool,
     /// Technique that connects the last vertex with this one, over the density of this one.
     pub connected: f32,
     /// All techniques before, over the density of this one; to be multiplied by the reverse density of direction.
@@ -195,6 +212,12 @@ pub struct Leg {
     pub spreads: bool,
     /// Weight of the technique that connects the start with the next vertex, in units of its density by walks.
     pub connect: f32,
+    /// What running into an emitter at the end counts.
+    pub hits: f32,
+    /// As in [`Merges::direct`], of the start.
+    pub direct: f32,
+    /// Whether the start is on the emitter.
+    pub emitted: bool,
     /// Cosine at the start.
     pub cos: f32,
     /// Whether the start is a vertex inside a medium.
@@ -216,6 +239,9 @@ impl Leg {
             density: density.onward,
             spreads: !density.parallel,
             connect: 0.0,
+            hits: 1.0,
+            direct: 1.0,
+            emitted: true,
             cos: density.cos,
             in_medium: false,
             collided: if density.hittable { effort.connect / density.place } else { 0.0 },
@@ -239,6 +265,9 @@ impl Leg {
             density: lens.density,
             spreads: !lens.parallel,
             connect: effort.lens,
+            hits: 1.0,
+            direct: 1.0,
+            emitted: false,
             cos: 1.0,
             in_medium: false,
             collided: 0.0,
@@ -288,11 +317,24 @@ impl Leg {
             Transport::Radiance if self.certain => 1.0 / (edge.survival * edge.rates[1]),
             Transport::Radiance => 1.0 / (edge.stretches[1] * edge.rates[1]),
         };
-        Arrival { connected: self.connect * inverse / spread, before: self.before::<M>(edge) * inverse, covered }
+        let (connected, before) = (self.connect * inverse / spread, self.before::<M>(edge) * inverse);
+        Arrival { emitted: self.emitted, connected, before, covered }
     }
 }
 
 impl Arrival {
+    /// The technique that connects the last vertex with this one and all before, where `merges` says what they count and
+    /// `reverse` is the reverse density of direction.
+    #[inline(always)]
+    pub fn behind(&self, merges: &Merges, reverse: f32) -> f32 {
+        let Merges { connect, direct, .. } = *merges;
+        if self.emitted {
+            direct * connect * (self.connected + self.before * reverse)
+        } else {
+            connect * self.connected + self.before * reverse
+        }
+    }
+
     /// The walk goes on from `corner` along `direction`. `density` is that of the direction, `None` for a smooth mirror or
     /// glass; `reverse` that of the walk from the other end going on to the vertex before.
     #[inline]
@@ -312,6 +354,9 @@ impl Arrival {
             density: density.unwrap_or(1.0),
             spreads: true,
             connect: 0.0,
+            hits: 1.0,
+            direct: 1.0,
+            emitted: false,
             cos: corner.cos(direction),
             in_medium,
             collided: self.before,
@@ -321,8 +366,8 @@ impl Arrival {
         if density.is_none() {
             return leg;
         }
-        let Merges { share, connect, surface, point_point, beam_point, beam_beam, .. } = corner.merges;
-        let mut collided = connect * self.connected + self.before * reverse;
+        let Merges { share, connect, direct, surface, point_point, beam_point, beam_beam, .. } = corner.merges;
+        let mut collided = self.behind(&corner.merges, reverse);
         let mut covering = 0.0;
         if in_medium {
             let sin = corner.arriving.cross(direction).length();
@@ -337,6 +382,6 @@ impl Arrival {
         } else {
             collided += share * surface;
         }
-        Leg { connect: connect * effort.connect, collided, covering, ..leg }
+        Leg { connect: connect * effort.connect, hits: connect, direct, collided, covering, ..leg }
     }
 }

@@ -26,8 +26,10 @@ pub(super) struct CameraPath<'a, R> {
     pub(super) pairing: Pairing<'a>,
     record: &'a R,
     radiance: Spectrum,
-    /// Whether the walk ends at this vertex if it is the first that scatters by chance.
+    /// Whether the walk ends behind this vertex if it is the first that scatters by chance.
     ends: bool,
+    /// Whether it has, and only looks for an emitter.
+    looks: bool,
     /// Whether the walk only counts once it has collided in a medium.
     waits: bool,
     pub(super) account: Account<'a, FromCamera>,
@@ -49,9 +51,9 @@ impl<'a, R: Recorder> CameraPath<'a, R> {
         let account = Account::of_camera(scene, effort, &camera.ray);
         let record = merger.record;
         let radiance = Spectrum::ZERO;
-        let ends = false;
+        let (ends, looks, waits) = (false, false, false);
         let mut path =
-            Self { scene, options, effort, light, merger, pairing, record, radiance, ends, waits: false, account };
+            Self { scene, options, effort, light, merger, pairing, record, radiance, ends, looks, waits, account };
         let start =
             Start { ray: camera.ray, length: camera.t_max, medium: scene.camera_medium, throughput: Spectrum::ONE };
         if !effort.split {
@@ -64,6 +66,7 @@ impl<'a, R: Recorder> CameraPath<'a, R> {
         // ... and another one shows what collides there.
         path.account = Account::of_camera(scene, effort, &camera.ray);
         path.merger.boost = 1.0;
+        path.looks = false;
         path.waits = true;
         walk::<FromCamera, _>(scene, start, &options.rules, sampler, &mut path);
         path.radiance
@@ -94,7 +97,8 @@ impl<'a, R: Recorder> CameraPath<'a, R> {
         let Account { leg, edge, .. } = &self.account;
         let spread = if lit.density.parallel { 1.0 } else { leg.spread(end.position) };
         let weight = self.effort.connect * mis::weigh_hit(&lit, leg, edge, spread);
-        self.add(technique, seen, weight);
+        // All walks look for emitters, also those that do not go on.
+        self.add(technique, seen / leg.hits, weight);
     }
 
     /// Light from a sampled emitter.
@@ -146,7 +150,7 @@ impl<'a, R: Recorder> CameraPath<'a, R> {
 
 impl<R: Recorder> Sink for CameraPath<'_, R> {
     fn segment(&mut self, segment: &Segment, sampler: &mut Sampler) {
-        if self.waits {
+        if self.waits || self.looks {
             return self.account.pass(segment);
         }
         self.radiance += self.merger.along(segment, &self.account, sampler);
@@ -172,6 +176,9 @@ impl<R: Recorder> Sink for CameraPath<'_, R> {
     }
 
     fn vertex(&mut self, vertex: &Vertex, sampler: &mut Sampler) {
+        if self.looks {
+            return;
+        }
         let end = self.account.arrive(vertex);
         self.waits &= !matches!(vertex.scattering, Scattering::Medium { .. });
         if self.waits {
@@ -188,7 +195,7 @@ impl<R: Recorder> Sink for CameraPath<'_, R> {
     }
 
     fn scattered(&mut self, vertex: &Vertex, onward: &Onward) -> bool {
-        if self.waits && onward.pdf.is_some() {
+        if self.looks || (self.waits && onward.pdf.is_some()) {
             return false;
         }
         let boost = self.account.boost(onward);
@@ -196,7 +203,7 @@ impl<R: Recorder> Sink for CameraPath<'_, R> {
         self.pairing.depart(onward);
         if boost > 1.0 {
             self.merger.boost *= boost;
-            return !self.ends;
+            self.looks = self.ends;
         }
         true
     }
