@@ -90,6 +90,7 @@ impl Scene {
                 index_matched: traits.is_purely_null(),
                 smooth: traits.smooth,
                 diffuse: traits.diffuse,
+                glossy: traits.glossy,
                 emits: shape.emission.is_some(),
             }
         };

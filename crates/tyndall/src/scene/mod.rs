@@ -65,6 +65,8 @@ struct Attachments {
     smooth: bool,
     /// That part is not rough glass only.
     diffuse: bool,
+    /// It has a rough reflection.
+    glossy: bool,
     emits: bool,
 }
 
@@ -128,6 +130,12 @@ impl Scene {
     #[inline(always)]
     pub fn is_diffuse(&self, shape: u32) -> bool {
         self.attached(shape).diffuse
+    }
+
+    /// Whether the shape has a rough reflection: what is seen in it is better looked for than told from light that arrives nearby.
+    #[inline(always)]
+    pub fn is_glossy(&self, shape: u32) -> bool {
+        self.attached(shape).glossy
     }
 
     /// Whether the shape has media on its sides.

@@ -98,7 +98,9 @@ impl<'a> Gatherer<'a> {
     /// Whether the walk goes on from a surface that is not smooth glass.
     #[inline(always)]
     fn follows(&self, shape: u32) -> bool {
-        !self.scene.is_diffuse(shape) || (self.mapping.options.final_gather && self.specular)
+        !self.scene.is_diffuse(shape)
+            || self.scene.is_glossy(shape)
+            || (self.mapping.options.final_gather && self.specular)
     }
 
     /// Light emitted at the end of a leg; `by_emitter` is the density with which an emitter is sampled there.

@@ -239,6 +239,7 @@ fn traits(models: &[Bsdf], index: usize, depth: usize) -> Option<Traits> {
     }
     let nested = |id: BsdfId| traits(models, id.0, depth + 1);
     let smooth = |varies| Traits { smooth: true, diffuse: true, varies, ..Traits::default() };
+    let glossy = |varies| Traits { glossy: true, ..smooth(varies) };
     Some(match &models[index] {
         Bsdf::Diffuse(model) => smooth(model.reflectance.varies()),
         Bsdf::Dielectric(model) => Traits {
@@ -262,11 +263,11 @@ fn traits(models: &[Bsdf], index: usize, depth: usize) -> Option<Traits> {
             )
         },
         Bsdf::Conductor(model) => Traits { delta: true, varies: model.metal.varies(), ..Traits::default() },
-        Bsdf::RoughConductor(model) => smooth(model.metal.varies() || model.roughness.varies()),
+        Bsdf::RoughConductor(model) => glossy(model.metal.varies() || model.roughness.varies()),
         Bsdf::Plastic(model) => Traits { delta: true, ..smooth(model.varies()) },
-        Bsdf::RoughPlastic(model) => smooth(model.varies()),
-        Bsdf::Principled(model) => Traits { transmits: model.transmits(), ..smooth(model.varies()) },
-        Bsdf::PrincipledThin(model) => Traits { transmits: model.transmits(), ..smooth(model.varies()) },
+        Bsdf::RoughPlastic(model) => glossy(model.varies()),
+        Bsdf::Principled(model) => Traits { transmits: model.transmits(), ..glossy(model.varies()) },
+        Bsdf::PrincipledThin(model) => Traits { transmits: model.transmits(), ..glossy(model.varies()) },
         Bsdf::Null => Traits::PURELY_NULL,
         Bsdf::Mask(model) => {
             let varies = model.opacity.varies();

@@ -136,6 +136,8 @@ pub struct Traits {
     pub smooth: bool,
     /// Some of that is wide enough for photons that arrive nearby to tell what is seen: all but rough glass.
     pub diffuse: bool,
+    /// Some of that is a rough reflection, which a few photons say little of: one of a grazing direction may outweigh all others.
+    pub glossy: bool,
     /// Some scattering goes into discrete directions other than straight on.
     pub delta: bool,
     /// Some light goes straight through as if there were no surface.
@@ -149,7 +151,7 @@ pub struct Traits {
 impl Traits {
     /// A boundary without any scattering.
     pub const PURELY_NULL: Self =
-        Self { smooth: false, diffuse: false, delta: false, null: true, transmits: true, varies: false };
+        Self { smooth: false, diffuse: false, glossy: false, delta: false, null: true, transmits: true, varies: false };
 
     /// Whether light only ever goes straight through.
     #[inline(always)]
@@ -162,6 +164,7 @@ impl Traits {
         Self {
             smooth: self.smooth | other.smooth,
             diffuse: self.diffuse | other.diffuse,
+            glossy: self.glossy | other.glossy,
             delta: self.delta | other.delta,
             null: self.null | other.null,
             transmits: self.transmits | other.transmits,
