@@ -9,7 +9,7 @@
 //! **Extent.** None.
 //!
 //! **Bias.** `m r^2 / 2` times the Laplacian on the surface; loss within `r` of edges; photons of other surfaces nearby
-//! count unless they lie more than a tenth of the radius above or below the tangent plane.
+//! count unless they lie more than three tenths of the radius above or below the tangent plane.
 //!
 //! **Reference.** Jensen 1996; Jensen 2001, eq. 7.6.
 
@@ -19,8 +19,9 @@ use crate::math::kernels::Kernel;
 use crate::math::lanes::{Lanes, Mask};
 use crate::photons::{PointBlock, Points, Store};
 
-/// Photons farther above or below the tangent plane, in units of the radius, belong to another surface.
-const FLATNESS: f32 = 0.1;
+/// Photons farther above or below the tangent plane, in units of the radius, belong to another surface. A ball is flat enough
+/// up to six tenths of its own radius.
+pub(super) const FLATNESS: f32 = 0.3;
 
 /// Query on a surface, photon points, blur over a disc on the surface.
 #[derive(Clone, Copy, Debug)]

@@ -1,5 +1,6 @@
 //! The geometry of the merges: each against its integral, against itself in other lanes, and against brute force.
 
+use super::surface_point_2d::FLATNESS;
 use super::*;
 use crate::Spectrum;
 use crate::accel::{Bvh, Visit};
@@ -171,11 +172,11 @@ fn lanes_of_points() {
     // A ball may be in reach of the ray's line, but not of the ray.
     check_lanes(BeamPoint3D { kernel: KERNEL }, &store, 0.12, random_ray, |_, leaf, lane, m| heavy(leaf, lane, m, 2));
     let on_surface = |rng: &mut Rng| SurfaceProbe { position: position(rng), normal: direction(rng) };
-    // The margin around the slab of a tenth of the radius takes a few.
+    // The margin around the slab takes a few.
     check_lanes(SurfacePoint2D { kernel: KERNEL }, &store, 0.04, on_surface, |p, leaf, lane, m| {
         let block = store.block(leaf);
         let above = (block.position(lane) - p.position).dot(p.normal).abs();
-        heavy(leaf, lane, m, 2) && above < 0.1 * block.radius.0[lane] - MARGIN
+        heavy(leaf, lane, m, 2) && above < FLATNESS * block.radius.0[lane] - MARGIN
     });
 }
 
