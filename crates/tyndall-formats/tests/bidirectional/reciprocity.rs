@@ -1,5 +1,6 @@
 //! Light tracing and path tracing make the same picture.
 
+use std::path::Path;
 use tyndall::scene::desc::{IntegratorDesc, ParameterValue};
 use tyndall::{Rendering, Scene, Settings};
 use tyndall_formats::mitsuba;
@@ -19,6 +20,11 @@ const PERSPECTIVE: &str = r#"type="perspective"><float name="fov" value="40"/>"#
 
 /// A scene seen from the front; the eye stands in the medium `inside`.
 fn scene(camera: &str, filter: &str, inside: &str, parts: &str) -> Scene {
+    scene_in(Path::new("."), camera, filter, inside, parts)
+}
+
+/// With files in `folder`.
+fn scene_in(folder: &Path, camera: &str, filter: &str, inside: &str, parts: &str) -> Scene {
     let film = FILM.replace("FILTER", filter);
     let text = format!(
         r#"<scene version="3.0.0"><sensor {camera}
@@ -26,8 +32,8 @@ fn scene(camera: &str, filter: &str, inside: &str, parts: &str) -> Scene {
             {film}{inside}</sensor>{parts}</scene>"#
     );
     // Media come first: the camera may refer to them.
-    let loaded = mitsuba::read_str(&text, std::path::Path::new("."), &mitsuba::Options::default())
-        .unwrap_or_else(|e| panic!("{}", e.report()));
+    let loaded =
+        mitsuba::read_str(&text, folder, &mitsuba::Options::default()).unwrap_or_else(|e| panic!("{}", e.report()));
     Scene::build(&loaded.scene).unwrap_or_else(|e| panic!("{e}"))
 }
 
@@ -69,6 +75,12 @@ const BOX: &str = r#"<shape type="cube"><transform name="to_world"><scale value=
     <ref name="interior" id="fog"/></shape>"#;
 
 const INSIDE: &str = r#"<ref id="fog"/>"#;
+
+/// A double pyramid whose normals are those of a ball.
+const PYRAMIDS: &str = "v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\n\
+    vn 1 0 0\nvn -1 0 0\nvn 0 1 0\nvn 0 -1 0\nvn 0 0 1\nvn 0 0 -1\n\
+    f 1//1 3//3 5//5\nf 3//3 2//2 5//5\nf 2//2 4//4 5//5\nf 4//4 1//1 5//5\n\
+    f 3//3 1//1 6//6\nf 2//2 3//3 6//6\nf 4//4 2//2 6//6\nf 1//1 4//4 6//6\n";
 
 /// Cameras and filters.
 const CAMERAS: [(&str, &str, &str); 4] = [
@@ -184,4 +196,23 @@ fn inside_a_medium() {
 #[test]
 fn rough_glass() {
     compare("rough glass", &glass("roughdielectric", ROUGH), 6, &BOTH);
+}
+
+/// Where the normals that shade are not those of the surface, what light's walk carries is not what the camera's does.
+#[test]
+fn shading_normals() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("pyramids.obj"), PYRAMIDS).unwrap();
+    let diffuse = r#"<bsdf type="twosided"><bsdf type="diffuse"/></bsdf>"#.to_string();
+    let glass = format!(r#"<bsdf type="roughdielectric"><float name="int_ior" value="1.3"/>{ROUGH}</bsdf>"#);
+    for (what, bsdf) in [("diffuse", diffuse), ("rough metal", ROUGH_METAL.to_string()), ("rough glass", glass)] {
+        let pyramids = format!(
+            r#"<shape type="obj"><string name="filename" value="pyramids.obj"/>
+                <transform name="to_world"><scale value="0.8"/><rotate y="1" angle="20"/></transform>{bsdf}</shape>"#
+        );
+        let scene = scene_in(folder.path(), PERSPECTIVE, "box", "", &format!("{FLOOR}{LAMP}{pyramids}"));
+        // What light's walk finds through this glass by itself is rare and bright: no test pixel by pixel.
+        let methods = if what == "rough glass" { &BOTH[1..] } else { &BOTH[..] };
+        compare(&format!("smooth pyramids, {what}"), &scene, 5, methods);
+    }
 }
