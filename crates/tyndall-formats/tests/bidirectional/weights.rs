@@ -284,7 +284,7 @@ fn weights_of_connections_sum_to_one() {
 
 #[test]
 fn weights_of_connections_and_merges_sum_to_one() {
-    check(&all(), 1500);
+    assert!(check(&all(), 60_000) >= 1_000_000);
     for effort in [
         Effort { surface: 0.0, point_point: 0.0, beam_point: 0.0, ..all() },
         Effort { surface: 0.0, point_point: 0.0, beam_beam: 0.0, ..all() },
@@ -293,11 +293,4 @@ fn weights_of_connections_and_merges_sum_to_one() {
     ] {
         check(&effort, 300);
     }
-}
-
-/// `cargo test --release -p tyndall-formats --test bidirectional -- --ignored --nocapture million`, some minutes.
-#[test]
-#[ignore = "some minutes"]
-fn weights_of_a_million_paths_sum_to_one() {
-    assert!(check(&all(), 60_000) >= 1_000_000);
 }

@@ -151,38 +151,38 @@ fn a_room_whose_walls_glow() {
 }
 
 /// Every way in every furnace: `cargo test --release -p tyndall-formats --test photons -- --ignored --nocapture
-/// every_way`, an hour, or with a furnace's name for one.
+/// every_way`, half an hour, or with a furnace's name for one.
 mod every_way {
     use super::*;
 
     #[test]
-    #[ignore = "some minutes"]
+    #[ignore = "up to eight minutes"]
     fn isotropic() {
         check(&furnace("isotropic", Furnace::default()), &WAYS, boxed([1.0; 3], 1.0));
     }
 
     #[test]
-    #[ignore = "some minutes"]
+    #[ignore = "up to eight minutes"]
     fn chromatic() {
         let sigma_t = [3.0, 1.0, 0.3];
         check(&furnace("chromatic", Furnace { sigma_t, ..Furnace::default() }), &WAYS, boxed(sigma_t, 1.0));
     }
 
     #[test]
-    #[ignore = "some minutes"]
+    #[ignore = "up to eight minutes"]
     fn glass() {
         check(&furnace("glass", Furnace { glass: true, ..Furnace::default() }), &WAYS, boxed([1.0; 3], 1.5));
     }
 
     #[test]
-    #[ignore = "a quarter of an hour"]
+    #[ignore = "up to eight minutes"]
     fn forward() {
         check(&furnace("forward", Furnace { g: 0.7, ..Furnace::default() }), &WAYS, boxed([1.0; 3], 1.0));
     }
 
     /// The density at the front face, which the camera meets first, and at the back.
     #[test]
-    #[ignore = "some minutes"]
+    #[ignore = "up to eight minutes"]
     fn ramp() {
         let ramp = |blur, radius| {
             let density = |z: f64| {
@@ -198,7 +198,7 @@ mod every_way {
     }
 
     #[test]
-    #[ignore = "some minutes"]
+    #[ignore = "up to eight minutes"]
     fn nests() {
         let lost = |blur, radius| {
             [2.0, 4.0, 0.8].map(|core| {

@@ -38,9 +38,9 @@ pub fn picture_mean(scene: &Scene, name: &str, set: &[(&str, &str)], passes: u32
 
 /// Means of whole pictures within half a per cent, where the path tracer converges. Blur loses light at edges, in
 /// proportion to the radius, which is therefore small: `cargo test --release -p tyndall-formats --test
-/// photons -- --ignored --nocapture pictures`, a quarter of an hour.
+/// photons -- --ignored --nocapture pictures`, six minutes.
 #[test]
-#[ignore = "a quarter of an hour"]
+#[ignore = "six minutes"]
 fn means_of_pictures_are_those_of_the_path_tracer() {
     let mut wrong = Vec::new();
     for name in ["cornell-smoke.xml", "statue-smoke.xml", "peers/cbox-smoke.xml", "peers/smoke-hetero.xml"] {

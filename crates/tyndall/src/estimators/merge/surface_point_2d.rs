@@ -21,7 +21,7 @@ use crate::photons::{PointBlock, Points, Store};
 
 /// Photons farther above or below the tangent plane, in units of the radius, belong to another surface. A ball is flat enough
 /// up to six tenths of its own radius.
-pub(super) const FLATNESS: f32 = 0.3;
+const FLATNESS: f32 = 0.3;
 
 /// Query on a surface, photon points, blur over a disc on the surface.
 #[derive(Clone, Copy, Debug)]
