@@ -112,7 +112,7 @@ pub fn interval(
     edges.sort_by(f64::total_cmp);
     edges.dedup();
     let cells = edges.len() - 1;
-    let expected: Vec<f64> = edges.windows(2).map(|e| integrate(&density, e[0], e[1], 1e-9)).collect();
+    let expected: Vec<f64> = edges.windows(2).map(|e| integrate(&density, e[0], e[1], CELL_TOLERANCE)).collect();
     let mut observed = vec![0usize; cells];
     let mut declined = 0;
     for _ in 0..samples {
@@ -128,8 +128,10 @@ pub fn interval(
 const PILOTS: usize = 8192;
 /// A cell is split while it holds more than this part of the pilots.
 const CROWD: usize = 64;
-/// Absolute error allowed in the probability of a cell.
+/// Absolute error allowed in the probability of a cell of the plane ...
 const TOLERANCE: f64 = 2e-7;
+/// ... and of an interval: above the noise of densities in single precision, which no subdivision gets rid of.
+const CELL_TOLERANCE: f64 = 1e-8;
 
 /// A cell: its extent, and the first of its four quarters where it was split.
 struct Cell {

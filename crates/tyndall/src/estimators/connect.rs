@@ -1,18 +1,83 @@
 //! Connecting by an edge: a vertex of light's walk with one of the camera's, or with the lens.
 
-use super::transport::{SHORT_OF, Turn, departure, turn};
+use super::transport::{SHORT_OF, Turn, departure, turn, turned};
 use crate::Spectrum;
 use crate::math::{Frame, Ray, Rng, Vec2, Vec3};
 use crate::scene::Scene;
+use crate::scene::desc::MediumId;
 use crate::scene::sensor::{Projection, RayDensity};
-use crate::walk::{Edge, FromCamera, FromLight, Vertex, edge_passage};
+use crate::walk::{Edge, FromCamera, FromLight, Vertex, edge_passage, passage};
 
-/// A vertex of light's walk and one of the camera's, joined.
+/// The straight way from a vertex of light's walk to one of the camera's.
+#[derive(Clone, Copy, Debug)]
+pub struct Way {
+    /// Unit direction of light's travel.
+    direction: Vec3,
+    /// The direction as if along which light turns, if it comes from a ball.
+    turning: Vec3,
+    /// One over the squared distance, or over the area that stands for it, 1/m^2.
+    pub spread: f32,
+}
+
+impl Way {
+    /// `None` for vertices at the same place.
+    #[inline]
+    pub fn new(light: Vec3, camera: Vec3) -> Option<Self> {
+        let distance2 = camera.distance_squared(light);
+        if !(distance2 > 0.0) {
+            return None;
+        }
+        let direction = (camera - light) / distance2.sqrt();
+        Some(Self { direction, turning: direction, spread: 1.0 / distance2 })
+    }
+
+    /// Light comes from all of a ball of that radius around `light`, seen along a direction that `u` chooses within the
+    /// ball's cone; the half space when `camera` stands in the ball (Novak et al. 2012b; Hasan et al. 2009).
+    #[inline]
+    pub fn from_ball(light: Vec3, camera: Vec3, radius: f32, u: Vec2) -> Option<Self> {
+        let Self { direction, spread, .. } = Self::new(light, camera)?;
+        let sin2 = (radius * radius * spread).min(1.0);
+        let cos_cone = (1.0 - sin2).sqrt();
+        // One minus the cosine, without cancellation.
+        let cap = sin2 / (1.0 + cos_cone);
+        let cos = 1.0 - u.x * cap;
+        let sin = (u.x * cap * (1.0 + cos)).sqrt();
+        let (y, x) = (std::f32::consts::TAU * u.y).sin_cos();
+        let turning = Frame::from_normal(direction).to_world(Vec3::new(sin * x, sin * y, cos));
+        Some(Self { direction, turning, spread: 2.0 * cap / (radius * radius) })
+    }
+
+    /// The ray along which nothing may stand, its length and its first medium.
+    #[inline(always)]
+    fn shadow(&self, scene: &Scene, light: &Vertex, camera: &Vertex) -> (Ray, f32, Option<MediumId>) {
+        let (from, medium) = departure(scene, light, self.direction);
+        let (to, _) = departure(scene, camera, -self.direction);
+        (Ray::between(from, to), from.distance(to) * SHORT_OF, medium)
+    }
+}
+
+/// Both turns, transmittance and spread of the way from `light` to `camera`, 1/(m^2 sr^2). Times the throughputs of both
+/// walks on arrival it is the radiance of this path. `None` when nothing gets from one to the other.
+#[inline]
+pub fn transfer(scene: &Scene, way: &Way, light: &Vertex, camera: &Vertex, rng: &mut Rng) -> Option<Spectrum> {
+    let at_camera = turned::<FromCamera>(scene, camera, -way.turning);
+    if at_camera.is_black() {
+        return None;
+    }
+    let value = turned::<FromLight>(scene, light, way.turning) * at_camera * way.spread;
+    if value.is_black() {
+        return None;
+    }
+    let (ray, length, medium) = way.shadow(scene, light, camera);
+    Some(value * passage(scene, ray, length, medium, true, rng)?.transmittance)
+}
+
+/// A vertex of light's walk and one of the camera's, joined, with all that weights need.
 #[derive(Clone, Copy, Debug)]
 pub struct Join {
     /// Unit direction of light's travel.
     pub direction: Vec3,
-    /// One over the squared distance, or over the area that stands for it, 1/m^2.
+    /// One over the squared distance, 1/m^2.
     pub spread: f32,
     /// The turn of light's walk.
     pub light: Turn,
@@ -20,67 +85,27 @@ pub struct Join {
     pub camera: Turn,
     /// The way from light's vertex to the camera's.
     pub edge: Edge,
-    /// Both turns, transmittance and spread, 1/(m^2 sr^2). Times the throughputs of both walks on arrival it is the
-    /// radiance of this path.
+    /// As [`transfer`] answers.
     pub value: Spectrum,
 }
 
 /// Joins `light` and `camera`; `None` when nothing gets from one to the other.
 #[inline]
 pub fn join(scene: &Scene, light: &Vertex, camera: &Vertex, rng: &mut Rng) -> Option<Join> {
-    let distance2 = camera.position.distance_squared(light.position);
-    if !(distance2 > 0.0) {
-        return None;
-    }
-    let direction = (camera.position - light.position) / distance2.sqrt();
-    join_along(scene, light, camera, [direction; 2], 1.0 / distance2, rng)
-}
-
-/// Joins `camera` with light that comes from all of a ball of that radius around `light`, seen along a direction that `u`
-/// chooses within the ball's cone; the half space when it stands in the ball (Novak et al. 2012b; Hasan et al. 2009).
-#[inline]
-pub fn join_ball(scene: &Scene, light: &Vertex, camera: &Vertex, radius: f32, u: Vec2, rng: &mut Rng) -> Option<Join> {
-    let distance2 = camera.position.distance_squared(light.position);
-    if !(distance2 > 0.0) {
-        return None;
-    }
-    let direction = (camera.position - light.position) / distance2.sqrt();
-    let sin2 = (radius * radius / distance2).min(1.0);
-    let cos_cone = (1.0 - sin2).sqrt();
-    // One minus the cosine, without cancellation.
-    let cap = sin2 / (1.0 + cos_cone);
-    let cos = 1.0 - u.x * cap;
-    let sin = (u.x * cap * (1.0 + cos)).sqrt();
-    let (y, x) = (std::f32::consts::TAU * u.y).sin_cos();
-    let along = Frame::from_normal(direction).to_world(Vec3::new(sin * x, sin * y, cos));
-    join_along(scene, light, camera, [direction, along], 2.0 * cap / (radius * radius), rng)
-}
-
-/// Light goes along `direction` and turns as if along `turning`, and is spread by `spread`, 1/m^2.
-#[inline(always)]
-fn join_along(
-    scene: &Scene,
-    light: &Vertex,
-    camera: &Vertex,
-    [direction, turning]: [Vec3; 2],
-    spread: f32,
-    rng: &mut Rng,
-) -> Option<Join> {
-    let at_camera = turn::<FromCamera>(scene, camera, -turning);
+    let way = Way::new(light.position, camera.position)?;
+    let Way { direction, spread, .. } = way;
+    let at_camera = turn::<FromCamera>(scene, camera, -direction);
     if at_camera.value.is_black() {
         return None;
     }
-    let at_light = turn::<FromLight>(scene, light, turning);
+    let at_light = turn::<FromLight>(scene, light, direction);
     let value = at_light.value * at_camera.value * spread;
     if value.is_black() {
         return None;
     }
-    let (from, medium) = departure(scene, light, direction);
-    let (to, _) = departure(scene, camera, -direction);
-    let length = from.distance(to) * SHORT_OF;
-    let (transmittance, edge) = edge_passage(scene, Ray::between(from, to), length, medium, rng)?;
-    let value = value * transmittance;
-    Some(Join { direction, spread, light: at_light, camera: at_camera, edge, value })
+    let (ray, length, medium) = way.shadow(scene, light, camera);
+    let (transmittance, edge) = edge_passage(scene, ray, length, medium, rng)?;
+    Some(Join { direction, spread, light: at_light, camera: at_camera, edge, value: value * transmittance })
 }
 
 /// A vertex of light's walk as the camera sees it.

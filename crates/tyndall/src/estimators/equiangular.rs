@@ -1,5 +1,8 @@
 //! Equiangular sampling of a distance along a ray (Kulla and Fajardo 2012, eqs. 4-6).
 
+use crate::math::functions::{angle, sin_cos};
+use crate::math::lanes::Lanes;
+use crate::math::triples::{along, dot};
 use crate::math::{PerLength, Ray, Vec3};
 
 /// Distances on `[0, length]` of a ray with density proportional to 1/d^2, d the distance to a point.
@@ -52,12 +55,6 @@ impl Equiangular {
         (square * sin / (self.height * cos + self.delta * sin)).max(0.0)
     }
 
-    /// The `u` for which [`Equiangular::sample`] gives the distance `t`.
-    #[inline]
-    pub fn position(&self, t: f32) -> f32 {
-        self.angle(t) / self.span
-    }
-
     /// The angle that the first `t` metres span, seen from the point.
     #[inline]
     pub(super) fn angle(&self, t: f32) -> f32 {
@@ -88,6 +85,55 @@ impl Equiangular {
     pub fn density(&self, t: f32) -> PerLength {
         let along = t - self.delta;
         PerLength(self.height / (self.span * (self.height * self.height + along * along)))
+    }
+}
+
+/// The same in lanes: eight rays and points.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct EquiangularLanes<L> {
+    /// As in [`Equiangular`].
+    pub(super) delta: L,
+    pub(super) height: L,
+    pub(super) span: L,
+}
+
+impl<L: Lanes> EquiangularLanes<L> {
+    /// For the points at `to_target` from the starts of rays of those unit directions and finite lengths, softened by `radius`;
+    /// and the way from the points' feet to the points.
+    #[inline(always)]
+    pub(super) fn new(direction: [L; 3], length: L, to_target: [L; 3], radius: f32) -> (Self, [L; 3]) {
+        let delta = dot(to_target, direction);
+        let rejection = along(to_target, L::splat(0.0).sub(delta), direction);
+        let square = dot(rejection, rejection).add(L::splat(radius * radius));
+        let least = dot(to_target, to_target).sqrt().mul(L::splat(1e-6)).max(L::splat(1e-12));
+        let height = square.sqrt().max(least);
+        let cos = height.mul(height).sub(delta.mul(length.sub(delta)));
+        let span = angle(height.mul(length), cos).max(L::splat(1e-12));
+        (Self { delta, height, span }, rejection)
+    }
+
+    /// As [`Equiangular::sample`].
+    #[inline(always)]
+    pub(super) fn sample(&self, u: L) -> L {
+        let (sin, cos) = sin_cos(u.mul(self.span));
+        let square = self.delta.mul(self.delta).add(self.height.mul(self.height));
+        let down = self.height.mul(cos).add(self.delta.mul(sin));
+        square.mul(sin).div(down).max(L::splat(0.0))
+    }
+
+    /// As [`Equiangular::density`].
+    #[inline(always)]
+    pub(super) fn density(&self, t: L) -> L {
+        let off = t.sub(self.delta);
+        self.height.div(self.span.mul(self.height.mul(self.height).add(off.mul(off))))
+    }
+
+    /// The `u` that gives the distance `t`.
+    #[cfg(test)]
+    #[inline(always)]
+    pub(super) fn position(&self, t: L) -> L {
+        let cos = self.height.mul(self.height).sub(self.delta.mul(t.sub(self.delta)));
+        angle(self.height.mul(t).max(L::splat(1e-30)), cos).min(self.span).div(self.span)
     }
 }
 

@@ -6,6 +6,7 @@ use crate::scene::Scene;
 use crate::scene::bsdf::Transport;
 use crate::scene::desc::MediumId;
 use crate::scene::emitter::EmitterSample;
+use crate::scene::shape::SurfacePoint;
 use crate::walk::{Mode, Scattering, Vertex, passage, reverse_pdf};
 
 /// What a vertex does with light that leaves it along a given direction.
@@ -63,16 +64,34 @@ pub fn turn<M: Mode>(scene: &Scene, vertex: &Vertex, direction: Vec3) -> Turn {
             Turn { value, pdf, reverse: reverse_pdf::<M>(scene, vertex, direction) }
         }
         (Scattering::Surface { point, .. }, Transport::Importance) => {
-            let seen = Vertex { direction: -direction, ..*vertex };
-            let Response { value, pdf: reverse } = respond(scene, &seen, -vertex.direction);
-            let cos = vertex.direction.dot(point.normal);
-            let value = if cos == 0.0 { Spectrum::ZERO } else { value * (direction.dot(point.normal) / cos).abs() };
+            let Response { value, pdf: reverse } = respond_backward(scene, vertex, point, direction);
             let (wo, wi) = (point.shading.to_local(-vertex.direction), point.shading.to_local(direction));
             let context = scene.surface_context(point);
             let (_, pdf) = scene.bsdfs.eval(scene.bsdf_of(point.shape), &context, wo, wi, Transport::Importance);
             Turn { value, pdf, reverse }
         }
     }
+}
+
+/// The value of [`turn`] alone.
+#[inline]
+pub fn turned<M: Mode>(scene: &Scene, vertex: &Vertex, direction: Vec3) -> Spectrum {
+    match (&vertex.scattering, M::TRANSPORT) {
+        (Scattering::Surface { point, .. }, Transport::Importance) => {
+            respond_backward(scene, vertex, point, direction).value
+        }
+        _ => respond(scene, vertex, direction).value,
+    }
+}
+
+/// The value of a turn of light's walk at a surface, and the density of the way back.
+#[inline]
+fn respond_backward(scene: &Scene, vertex: &Vertex, point: &SurfacePoint, direction: Vec3) -> Response {
+    let seen = Vertex { direction: -direction, ..*vertex };
+    let Response { value, pdf } = respond(scene, &seen, -vertex.direction);
+    let cos = vertex.direction.dot(point.normal);
+    let value = if cos == 0.0 { Spectrum::ZERO } else { value * (direction.dot(point.normal) / cos).abs() };
+    Response { value, pdf }
 }
 
 /// Whether the vertex scatters other than by a delta distribution.

@@ -45,6 +45,12 @@ pub trait Lanes: Copy {
     fn le(self, b: Self) -> Self::Mask;
     /// `mask ? self : b`.
     fn select(self, mask: Self::Mask, b: Self) -> Self;
+    /// The largest whole number that is not above.
+    fn floor(self) -> Self;
+    /// Two to the power of whole numbers from -126 to 127.
+    fn power_of_two(self) -> Self;
+    /// The mantissa in [1, 2) and the exponent of positive normal numbers.
+    fn mantissa_and_exponent(self) -> (Self, Self);
 
     /// The absolute value.
     #[inline(always)]
@@ -152,6 +158,12 @@ fn run_portable<K: Kernel>(kernel: K) -> K::Output {
     kernel.run::<Portable>()
 }
 
+/// How `f32` is laid out: bits of the mantissa, what is added to the exponent, and the number one.
+const MANTISSA_BITS: i32 = 23;
+const MANTISSA: u32 = (1 << MANTISSA_BITS) - 1;
+const BIAS: i32 = 127;
+const ONE: u32 = (BIAS as u32) << MANTISSA_BITS;
+
 /// Lanes as an array.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(32))]
@@ -223,6 +235,20 @@ impl Lanes for Portable {
     fn select(self, mask: PortableMask, b: Self) -> Self {
         Self(std::array::from_fn(|i| if mask.0[i] { self.0[i] } else { b.0[i] }))
     }
+    #[inline(always)]
+    fn floor(self) -> Self {
+        Self(self.0.map(f32::floor))
+    }
+    #[inline(always)]
+    fn power_of_two(self) -> Self {
+        Self(self.0.map(|x| f32::from_bits(((x as i32 + BIAS) as u32) << MANTISSA_BITS)))
+    }
+    #[inline(always)]
+    fn mantissa_and_exponent(self) -> (Self, Self) {
+        let mantissa = self.0.map(|x| f32::from_bits(x.to_bits() & MANTISSA | ONE));
+        let exponent = self.0.map(|x| ((x.to_bits() >> MANTISSA_BITS) as i32 - BIAS) as f32);
+        (Self(mantissa), Self(exponent))
+    }
 }
 
 impl Mask for PortableMask {
@@ -242,7 +268,7 @@ impl Mask for PortableMask {
 
 #[cfg(target_arch = "x86_64")]
 mod avx2 {
-    use super::{Kernel, Lanes, Mask, Row};
+    use super::{BIAS, Kernel, Lanes, MANTISSA, MANTISSA_BITS, Mask, ONE, Row};
     use std::arch::x86_64::*;
 
     /// Runs the kernel with AVX2 lanes, which exist nowhere else: that is what makes their operations sound.
@@ -321,6 +347,27 @@ mod avx2 {
         fn select(self, mask: Avx2Mask, b: Self) -> Self {
             Self(unsafe { _mm256_blendv_ps(b.0, self.0, mask.0) })
         }
+        #[inline(always)]
+        fn floor(self) -> Self {
+            Self(unsafe { _mm256_floor_ps(self.0) })
+        }
+        #[inline(always)]
+        fn power_of_two(self) -> Self {
+            unsafe {
+                let exponent = _mm256_add_epi32(_mm256_cvttps_epi32(self.0), _mm256_set1_epi32(BIAS));
+                Self(_mm256_castsi256_ps(_mm256_slli_epi32::<MANTISSA_BITS>(exponent)))
+            }
+        }
+        #[inline(always)]
+        fn mantissa_and_exponent(self) -> (Self, Self) {
+            unsafe {
+                let bits = _mm256_castps_si256(self.0);
+                let mantissa = _mm256_and_si256(bits, _mm256_set1_epi32(MANTISSA as i32));
+                let mantissa = _mm256_or_si256(mantissa, _mm256_set1_epi32(ONE as i32));
+                let exponent = _mm256_sub_epi32(_mm256_srli_epi32::<MANTISSA_BITS>(bits), _mm256_set1_epi32(BIAS));
+                (Self(_mm256_castsi256_ps(mantissa)), Self(_mm256_cvtepi32_ps(exponent)))
+            }
+        }
     }
 
     impl Mask for Avx2Mask {
@@ -366,6 +413,7 @@ mod tests {
                 a.abs(),
                 a.select(masks[0], b),
                 L::splat(self.a.0[0]),
+                a.floor(),
             ];
             let bits = |x: f32| if x.is_nan() { f32::NAN.to_bits() } else { x.to_bits() };
             (values.iter().flat_map(|v| v.store().0.map(bits)).collect(), masks.map(|m| m.bits()).to_vec())
@@ -382,6 +430,31 @@ mod tests {
                     Level::available().iter().map(|level| level.run(Everything { a: row(i), b: row(j) })).collect();
                 assert!(results.iter().all(|r| *r == results[0]), "{:?} {:?}", row(i), row(j));
             }
+        }
+    }
+
+    /// Numbers whole and broken.
+    struct Powers([Row; 2]);
+
+    impl Kernel for Powers {
+        type Output = [Row; 3];
+
+        #[inline(always)]
+        fn run<L: Lanes>(self) -> [Row; 3] {
+            let [exponents, numbers] = self.0.each_ref().map(L::load);
+            let (mantissas, exponents_of) = numbers.mantissa_and_exponent();
+            [exponents.power_of_two().store(), mantissas.store(), exponents_of.store()]
+        }
+    }
+
+    #[test]
+    fn powers_of_two_are_put_together_and_taken_apart() {
+        let exponents = [-126.0, -24.0, -1.0, 0.0, 1.0, 7.0, 100.0, 127.0];
+        let mantissas = [1.0, 1.25, 1.999_999_9, 1.5, 1.0, 1.1, 1.7, 1.3];
+        let numbers = std::array::from_fn(|i| f32::exp2(exponents[i]) * mantissas[i]);
+        for level in Level::available() {
+            let found = level.run(Powers([Row(exponents), Row(numbers)]));
+            assert_eq!(found, [Row(exponents.map(f32::exp2)), Row(mantissas), Row(exponents)]);
         }
     }
 

@@ -3,6 +3,7 @@
 pub mod angle;
 pub mod bounds;
 pub mod frame;
+pub mod functions;
 pub mod kernels;
 pub mod lanes;
 pub mod measure;
@@ -13,6 +14,7 @@ pub mod ray;
 pub mod sampler;
 pub mod sobol;
 pub mod transform;
+pub(crate) mod triples;
 pub mod warp;
 
 pub use bounds::Aabb;

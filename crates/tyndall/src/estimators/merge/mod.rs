@@ -24,7 +24,8 @@ pub use point_beam_3d::PointBeam3D;
 pub use point_point_3d::PointPoint3D;
 pub use surface_point_2d::SurfacePoint2D;
 
-use crate::math::lanes::{Lanes, Mask, Row};
+use crate::math::lanes::{Lanes, Mask};
+use crate::math::triples::{Lines, along, cross, dot, load, minus, splat};
 use crate::math::{Ray, Rng, Vec3};
 use crate::photons::{BeamBlock, Store};
 
@@ -80,38 +81,6 @@ pub trait Merge {
 
     /// Where the datum in a lane meets the query; residual integrals are sampled with `rng`.
     fn meet(&self, probe: &Self::Probe, store: &Self::Store, leaf: u32, lane: usize, rng: &mut Rng) -> Option<Meet>;
-}
-
-/// Three numbers, each in all lanes.
-#[inline(always)]
-fn splat<L: Lanes>(v: Vec3) -> [L; 3] {
-    [L::splat(v.x), L::splat(v.y), L::splat(v.z)]
-}
-
-#[inline(always)]
-fn load<L: Lanes>([x, y, z]: &[Row; 3]) -> [L; 3] {
-    [L::load(x), L::load(y), L::load(z)]
-}
-
-#[inline(always)]
-fn minus<L: Lanes>(a: [L; 3], b: [L; 3]) -> [L; 3] {
-    [a[0].sub(b[0]), a[1].sub(b[1]), a[2].sub(b[2])]
-}
-
-#[inline(always)]
-fn dot<L: Lanes>(a: [L; 3], b: [L; 3]) -> L {
-    a[0].mul(b[0]).add(a[1].mul(b[1])).add(a[2].mul(b[2]))
-}
-
-#[inline(always)]
-fn cross<L: Lanes>(a: [L; 3], b: [L; 3]) -> [L; 3] {
-    [a[1].mul(b[2]).sub(a[2].mul(b[1])), a[2].mul(b[0]).sub(a[0].mul(b[2])), a[0].mul(b[1]).sub(a[1].mul(b[0]))]
-}
-
-/// `a + t d`.
-#[inline(always)]
-fn along<L: Lanes>(a: [L; 3], t: L, d: [L; 3]) -> [L; 3] {
-    [a[0].add(t.mul(d[0])), a[1].add(t.mul(d[1])), a[2].add(t.mul(d[2]))]
 }
 
 /// The stretch of a line inside a ball: `offset` leads from the line's start to the centre. In metres along the line, cut
@@ -180,17 +149,12 @@ struct Approach<L> {
 
 #[inline(always)]
 fn approach<L: Lanes>(probe: &BeamProbe, block: &BeamBlock) -> Approach<L> {
-    let e = splat::<L>(probe.ray.direction);
-    let b = load::<L>(&block.direction);
     let v = minus(load(&block.origin), splat(probe.ray.origin));
-    let normal = cross(e, b);
-    let sin2 = dot(normal, normal);
-    let across = dot(v, normal);
+    let Lines { t, s, sin2, across } = Lines::<L>::new(splat(probe.ray.direction), v, load(&block.direction));
     let radius = L::load(&block.radius);
-    let (cos, ve, vb) = (dot(e, b), dot(v, e), dot(v, b));
     Approach {
-        t: ve.sub(cos.mul(vb)),
-        s: cos.mul(ve).sub(vb),
+        t,
+        s,
         sin2,
         rest: radius.mul(radius.abs()).mul(sin2).sub(across.mul(across)),
         slack: L::splat(1e-5).mul(L::load(&block.s1)).mul(sin2),

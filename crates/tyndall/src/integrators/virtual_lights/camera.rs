@@ -1,16 +1,16 @@
 //! The camera's walk, connected with lights.
 
-use super::{VirtualLights, kept, wanted};
+use super::batch::Batch;
+use super::{VirtualLights, lit, wanted};
 use crate::Spectrum;
-use crate::estimators::connect::{join, join_ball};
+use crate::estimators::connect::Way;
 use crate::estimators::equiangular::Equiangular;
-use crate::estimators::ray_pair::{PairSample, RayPair};
-use crate::estimators::turns::{TurningPair, Turns, TurnsOnRay};
-use crate::math::{PerLength, Ray, Sampler, Vec2};
-use crate::photons::{Attenuation, Beam};
+use crate::estimators::turns::{Distances, PairTurns, Pairs, Phases};
+use crate::math::lanes::Level;
+use crate::math::{Ray, Sampler, Vec2};
 use crate::scene::Scene;
-use crate::scene::desc::MediumId;
 use crate::walk::{FromCamera, Onward, Profile, Scattering, Segment, Sink, Start, Vertex, walk};
+use std::cell::Cell;
 
 /// The start of a camera's walk at the film position.
 #[inline]
@@ -24,6 +24,8 @@ pub(super) struct Seeker<'a> {
     lights: &'a VirtualLights,
     scene: &'a Scene,
     profile: &'a mut Profile,
+    /// Edges so far.
+    connections: &'a Cell<u64>,
     radiance: Spectrum,
 }
 
@@ -34,31 +36,37 @@ impl<'a> Seeker<'a> {
         lights: &'a VirtualLights,
         scene: &'a Scene,
         profile: &'a mut Profile,
+        connections: &'a Cell<u64>,
         film: Vec2,
         sampler: &mut Sampler,
     ) -> Spectrum {
-        let mut seeker = Self::new(lights, scene, profile);
+        let mut seeker = Self::new(lights, scene, profile, connections);
         walk::<FromCamera, _>(scene, start(scene, film, sampler), &lights.options.camera_rules, sampler, &mut seeker);
         seeker.radiance / lights.options.photons as f32
     }
 
-    pub(super) fn new(lights: &'a VirtualLights, scene: &'a Scene, profile: &'a mut Profile) -> Self {
-        Self { lights, scene, profile, radiance: Spectrum::ZERO }
+    pub(super) fn new(
+        lights: &'a VirtualLights,
+        scene: &'a Scene,
+        profile: &'a mut Profile,
+        connections: &'a Cell<u64>,
+    ) -> Self {
+        Self { lights, scene, profile, connections, radiance: Spectrum::ZERO }
     }
 
     /// Light from `light` that scatters at `camera`, times the number of light paths.
     #[inline]
     fn join(&self, light: &Vertex, camera: &Vertex, sampler: &mut Sampler) -> Spectrum {
         let radius = self.lights.radius;
-        let joined = match radius > 0.0 {
+        let way = match radius > 0.0 {
             true => {
                 let u = Vec2::new(sampler.rng().f32(), sampler.rng().f32());
-                join_ball(self.scene, light, camera, radius, u, sampler.rng())
+                Way::from_ball(light.position, camera.position, radius, u)
             }
-            false => join(self.scene, light, camera, sampler.rng()),
+            false => Way::new(light.position, camera.position),
         };
-        let Some(joined) = joined else { return Spectrum::ZERO };
-        light.throughput * camera.throughput * joined.value * kept(self.lights.options.clamp, joined.spread)
+        self.connections.set(self.connections.get() + 1);
+        lit(self.scene, way, light, camera, self.lights.options.clamp, sampler.rng())
     }
 
     /// Whether light scattered `scatterings` times may scatter at a light and at a camera's vertex with that many before.
@@ -116,85 +124,58 @@ impl Seeker<'_> {
         (0..samples).map(|i| add((i as f32 + shift) * step, samples as f32, sampler)).sum()
     }
 
-    /// The rate at which light of a beam dims along it, 1/m.
+    /// Light of rays, scattered on the stretch.
     #[inline]
-    fn rate_along(&self, light: &Beam, medium: MediumId) -> f32 {
-        match light.attenuation {
-            Attenuation::Rate(rate) => rate,
-            Attenuation::Survivors => 0.0,
-            Attenuation::Transmittance => self.scene.medium(medium).sigma_t(light.origin).min_channel(),
-        }
-    }
-
-    /// Light of a ray, scattered on the stretch.
-    #[inline]
-    fn ray_to_stretch(&self, light: &Beam, stretch: &Stretch, sampler: &mut Sampler) -> Spectrum {
-        let Some(medium) = light.tag.medium() else { return Spectrum::ZERO };
-        let pair = RayPair::new(&stretch.ray, stretch.length, &light.ray(), light.length, self.lights.radius);
-        let dims = self.profile.uniform().map_or(0.0, |uniform| uniform.sigma_t.min_channel());
+    fn rays_to_stretch(&self, batch: &Batch, stretch: &Stretch, sampler: &mut Sampler) -> Spectrum {
+        let sigma_t = self.profile.uniform().map_or(0.0, |uniform| uniform.sigma_t.min_channel());
         let here = stretch.segment.medium;
-        if !self.lights.turns_matter([medium, here], dims * stretch.length) {
-            return self.pairs(light, stretch, sampler, |u| pair.sample(u));
-        }
-        let [at_light, on_ray] = [medium, here].map(|id| self.scene.medium(id).phase());
-        let turns = Turns { on_ray, at_point: Some((at_light, light.direction)), along: dims, between: dims };
-        let pair = TurningPair::new(pair, turns, self.rate_along(light, medium));
-        self.pairs(light, stretch, sampler, |u| pair.sample(u))
-    }
-
-    /// The same, with the pairs of points that `sample` chooses.
-    #[inline(always)]
-    fn pairs(
-        &self,
-        light: &Beam,
-        stretch: &Stretch,
-        sampler: &mut Sampler,
-        sample: impl Fn([f32; 2]) -> PairSample,
-    ) -> Spectrum {
-        self.stratified(sampler, |u, samples, sampler| {
-            let PairSample { s, t, pdf } = sample([u, sampler.rng().f32()]);
-            let (t, density) = (t.min(stretch.length), pdf * samples);
-            match light.vertex(self.scene, s) {
-                Some(from) if density > 0.0 => self.join(&from, &self.vertex_at(stretch, t, density), sampler),
-                _ => Spectrum::ZERO,
+        let depth = sigma_t * stretch.length;
+        let turns = batch.media().any(|medium| self.lights.turns_matter([medium, here], depth)).then(|| PairTurns {
+            on_camera: Phases::Same(self.scene.medium(here).phase()),
+            at_light: batch.phases(self.scene),
+            rates: batch.rates(self.scene),
+            sigma_t,
+        });
+        let [s, t, pdf] = Level::dispatch(Pairs {
+            camera: stretch.ray,
+            length: stretch.length,
+            lights: &batch.rays,
+            radius: self.lights.radius,
+            turns: turns.as_ref(),
+            u: &batch.u,
+        });
+        let mut sum = Spectrum::ZERO;
+        for (lane, (light, weight)) in batch.lights().enumerate() {
+            if let Some(from) = light.vertex(self.scene, s.0[lane])
+                && pdf.0[lane] > 0.0
+            {
+                sum += self.join(&from, &self.vertex_at(stretch, t.0[lane], pdf.0[lane]), sampler) * weight;
             }
-        })
+        }
+        sum
     }
 
-    /// Light of a ray, scattered at a vertex.
+    /// Light of rays, scattered at a vertex.
     #[inline]
-    fn ray_to_vertex(&self, light: &Beam, camera: &Vertex, sampler: &mut Sampler) -> Spectrum {
-        let Some(medium) = light.tag.medium() else { return Spectrum::ZERO };
-        let ray = light.ray();
-        let angles = Equiangular::softened(&ray, light.length, camera.position, self.lights.radius);
-        if !self.lights.turns_matter([medium; 2], 0.0) {
-            return self.distances(light, camera, sampler, |u| {
-                let s = angles.sample(u);
-                (s, angles.density(s))
-            });
-        }
-        let on_ray = self.scene.medium(medium).phase();
-        let turns = Turns { on_ray, at_point: None, along: self.rate_along(light, medium), between: 0.0 };
-        let distances = TurnsOnRay::new(&turns, &ray, camera.position, angles);
-        self.distances(light, camera, sampler, |u| distances.sample(u))
-    }
-
-    /// The same, from the distances that `sample` chooses on light's ray.
-    #[inline(always)]
-    fn distances(
-        &self,
-        light: &Beam,
-        camera: &Vertex,
-        sampler: &mut Sampler,
-        sample: impl Fn(f32) -> (f32, PerLength),
-    ) -> Spectrum {
-        self.stratified(sampler, |u, samples, sampler| {
-            let (s, density) = sample(u);
-            match light.vertex(self.scene, s.min(light.length)) {
-                Some(from) if density.0 > 0.0 => self.join(&from, camera, sampler) / (density.0 * samples),
-                _ => Spectrum::ZERO,
+    fn rays_to_vertex(&self, batch: &Batch, camera: &Vertex, sampler: &mut Sampler) -> Spectrum {
+        let matters = batch.media().any(|medium| self.lights.turns_matter([medium; 2], 0.0));
+        let turns = matters.then(|| (batch.phases(self.scene), batch.rates(self.scene)));
+        let [s, pdf] = Level::dispatch(Distances {
+            point: camera.position,
+            lights: &batch.rays,
+            radius: self.lights.radius,
+            turns: turns.as_ref().map(|(phases, rates)| (phases, rates)),
+            u: &batch.u[0],
+        });
+        let mut sum = Spectrum::ZERO;
+        for (lane, (light, weight)) in batch.lights().enumerate() {
+            if let Some(from) = light.vertex(self.scene, s.0[lane])
+                && pdf.0[lane] > 0.0
+            {
+                sum += self.join(&from, camera, sampler) * (weight / pdf.0[lane]);
             }
-        })
+        }
+        sum
     }
 
     /// Light of `count` lights of each kind (0: of all), scattered at the camera's vertex, times the number of light paths.
@@ -209,12 +190,9 @@ impl Seeker<'_> {
                 sum += self.join(light, vertex, sampler) * weight;
             }
         });
-        let shift = sampler.rng().f32();
-        lights.rays.visit(count, shift, |i, weight| {
-            let light = &lights.paths.beams[i];
-            if self.counts(light.tag.scatterings(), before) {
-                sum += self.ray_to_vertex(light, vertex, sampler) * weight;
-            }
+        let counts = |scatterings| self.counts(scatterings, before);
+        lights.visit_rays(count, sampler, counts, |batch, sampler| {
+            sum += self.rays_to_vertex(batch, vertex, sampler);
         });
         sum
     }
@@ -238,12 +216,9 @@ impl Sink for Seeker<'_> {
                 sum += self.point_to_stretch(light, &stretch, sampler) * weight;
             }
         });
-        let shift = sampler.rng().f32();
-        lights.rays.visit(lights.options.lights, shift, |i, weight| {
-            let light = &lights.paths.beams[i];
-            if self.counts(light.tag.scatterings(), before) {
-                sum += self.ray_to_stretch(light, &stretch, sampler) * weight;
-            }
+        let counts = |scatterings| self.counts(scatterings, before);
+        lights.visit_rays(lights.options.lights, sampler, counts, |batch, sampler| {
+            sum += self.rays_to_stretch(batch, &stretch, sampler);
         });
         self.radiance += sum;
     }

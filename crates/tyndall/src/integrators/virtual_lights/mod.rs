@@ -4,6 +4,7 @@
 //! last scattering but one to the last; path tracing gives the rest: emitters, direct light, single scattering, what comes
 //! over smooth mirrors and glass, and what a bound on the lights' nearness cuts off.
 
+mod batch;
 mod camera;
 mod chosen;
 mod lightcuts;
@@ -16,12 +17,17 @@ use self::nearby::Nearby;
 use super::components::Components;
 use super::volpath::{self, Volpath};
 use super::{Counts, Integrator, Job, RareEvents, light_set, sample_pixels};
+use crate::Spectrum;
+use crate::estimators::connect::{Way, transfer};
 use crate::film::Splats;
 use crate::film::pixels::PixelSum;
+use crate::math::Rng;
 use crate::photons::{Extent, LightPaths, TraceError, Tracing, Wanted};
 use crate::scene::Scene;
 use crate::scene::desc::MediumId;
-use crate::walk::{Profile, Rules, Scattering};
+use crate::walk::{Profile, Rules, Scattering, Vertex};
+use std::cell::Cell;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Whether points on rays are chosen by what phase functions and transmittance make of them, besides their distance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,6 +95,8 @@ pub(super) struct VirtualLights {
     /// The set of light paths at hand.
     set: Option<u32>,
     counts: Counts,
+    /// Edges between lights and what they light.
+    connections: AtomicU64,
 }
 
 /// Automatic radius of vertices and of rays, in units of the mean length of light's segments in media. The singularity of
@@ -117,6 +125,7 @@ impl VirtualLights {
             radius: 0.0,
             set: None,
             counts: Counts::default(),
+            connections: AtomicU64::new(0),
         }
     }
 
@@ -194,23 +203,38 @@ impl Integrator for VirtualLights {
     }
 
     fn counts(&self) -> Counts {
-        self.counts
+        Counts { connections: self.connections.load(Ordering::Relaxed), ..self.counts }
     }
 
     fn render(&self, scene: &Scene, job: &Job, pixels: &mut [PixelSum], _: &mut Splats) -> RareEvents {
         let mut profile = Profile::default();
+        let connections = Cell::new(0);
         let straight = self.options.components.intersection(Components::STRAIGHT) != Components::NONE;
-        sample_pixels(scene, job, pixels, |sample, sampler| {
+        let rare = sample_pixels(scene, job, pixels, |sample, sampler| {
             let traced = self.path.radiance(scene, sample.film, sampler);
             if !straight {
                 return traced;
             }
-            let lit = traced + Seeker::radiance(self, scene, &mut profile, sample.film, sampler);
+            let lit = traced + Seeker::radiance(self, scene, &mut profile, &connections, sample.film, sampler);
             match self.options.compensation {
-                Compensation::Approximate => lit + Nearby::radiance(self, scene, &mut profile, sample.film, sampler),
+                Compensation::Approximate => {
+                    lit + Nearby::radiance(self, scene, &mut profile, &connections, sample.film, sampler)
+                }
                 _ => lit,
             }
-        })
+        });
+        self.connections.fetch_add(connections.get(), Ordering::Relaxed);
+        rare
+    }
+}
+
+/// Light from `light` that scatters at `camera`, times the number of light paths; 1/d^2 is bounded by `clamp` (1/m^2; 0: not).
+#[inline]
+fn lit(scene: &Scene, way: Option<Way>, light: &Vertex, camera: &Vertex, clamp: f32, rng: &mut Rng) -> Spectrum {
+    let Some(way) = way else { return Spectrum::ZERO };
+    match transfer(scene, &way, light, camera, rng) {
+        Some(value) => light.throughput * camera.throughput * value * kept(clamp, way.spread),
+        None => Spectrum::ZERO,
     }
 }
 

@@ -18,6 +18,7 @@ use crate::estimators::transport::{connect, departure, is_smooth, respond};
 use crate::math::{Ray, Sampler, Vec2};
 use crate::scene::Scene;
 use crate::walk::{FromCamera, Media, Onward, Profile, Rules, Scattering, Sink, Vertex, walk};
+use std::cell::Cell;
 
 /// Of the lights that a point on the camera's ray visits, one in so many is visited at each step.
 const FEWER: u32 = 8;
@@ -39,11 +40,12 @@ impl<'a> Nearby<'a> {
         lights: &'a VirtualLights,
         scene: &'a Scene,
         profile: &'a mut Profile,
+        connections: &'a Cell<u64>,
         film: Vec2,
         sampler: &mut Sampler,
     ) -> Spectrum {
         let rules = Rules { media: Media::Scatter, ..lights.options.camera_rules };
-        let seeker = Seeker::new(lights, scene, profile);
+        let seeker = Seeker::new(lights, scene, profile, connections);
         let mut nearby = Nearby { lights, scene, seeker, radiance: Spectrum::ZERO };
         walk::<FromCamera, _>(scene, start(scene, film, sampler), &rules, sampler, &mut nearby);
         nearby.radiance

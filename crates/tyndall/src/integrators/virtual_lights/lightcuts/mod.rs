@@ -20,9 +20,9 @@ use self::bounds::Bounds;
 use self::clusters::{Clusters, Member};
 use self::cut::{Cut, Graph};
 use self::gather::Gatherer;
-use super::{PILOT_SET, kept};
+use super::{PILOT_SET, lit};
 use crate::Spectrum;
-use crate::estimators::connect::join;
+use crate::estimators::connect::Way;
 use crate::film::Splats;
 use crate::film::pixels::PixelSum;
 use crate::integrators::components::Components;
@@ -275,9 +275,7 @@ impl Lightcuts {
         if !self.options.counts(light.scatterings, point.scatterings) {
             return Spectrum::ZERO;
         }
-        let Some(joined) = join(scene, light, point, rng) else { return Spectrum::ZERO };
-        let kept = kept(self.clamp, joined.spread);
-        light.throughput * point.throughput * joined.value * kept
+        lit(scene, Way::new(light.position, point.position), light, point, self.clamp, rng)
     }
 }
 

@@ -1,0 +1,88 @@
+//! Rates of virtual lights: how many pairs of a light and what it lights a second of one core connects, beside the shadow
+//! rays alone, between random vertices of the same light paths.
+//!
+//!     cargo bench -p tyndall-formats --bench virtual_lights
+//!
+//! Best of three runs on one thread. Rates of pairs contain all that a picture takes: light paths, camera rays, sampling.
+
+use std::hint::black_box;
+use std::path::Path;
+use std::time::Instant;
+use tyndall::math::{Ray, Rng};
+use tyndall::photons::{Extent, LightPaths, Tracing, Wanted};
+use tyndall::scene::desc::{IntegratorDesc, ParameterValue};
+use tyndall::scene::shape::Shadow;
+use tyndall::walk::{Media, Rules};
+use tyndall::{Rendering, Scene, Settings};
+use tyndall_formats::mitsuba;
+
+const SIZE: u32 = 64;
+const PASSES: u32 = 8;
+const RAYS: u64 = 1_000_000;
+
+fn scene(name: &str) -> Scene {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes").join(name);
+    let mut desc = mitsuba::read(&path, &mitsuba::Options::default()).unwrap_or_else(|e| panic!("{name}: {e}")).scene;
+    (desc.film.width, desc.film.height) = (SIZE, SIZE);
+    desc.film.crop = None;
+    Scene::build(&desc).unwrap_or_else(|e| panic!("{name}: {e}"))
+}
+
+/// The best of three rates, millions a second; `run` answers how many there were.
+fn best(mut run: impl FnMut() -> u64) -> f64 {
+    let mut timed = || {
+        let started = Instant::now();
+        let count = run();
+        count as f64 * 1e-6 / started.elapsed().as_secs_f64()
+    };
+    (0..3).map(|_| timed()).fold(0.0, f64::max)
+}
+
+/// Shadow rays between vertices of light paths.
+fn shadow_rays(scene: &Scene) -> f64 {
+    let tracing = Tracing {
+        paths: 10_000,
+        rules: Rules { max_depth: 10, rr_depth: 0, rr_cap: 1.0, media: Media::Scatter },
+        seed: 0,
+        set: 0,
+        extent: Extent::Short,
+        footprints: false,
+        point_radius: 0.0,
+        surface_radius: 0.0,
+        wanted: Wanted { vertices: [true, true], ..Wanted::default() },
+        effort: None,
+        memory: usize::MAX,
+    };
+    let mut paths = LightPaths::default();
+    paths.trace(scene, &tracing).expect("memory is unlimited");
+    let mut rng = Rng::keyed(1, 2, 3);
+    let mut any = || paths.vertices[rng.bits() as usize % paths.vertices.len()].position;
+    let rays: Vec<_> = (0..RAYS).map(|_| (any(), any())).filter(|(a, b)| a != b).collect();
+    best(|| {
+        let clear = |&&(a, b): &&_| scene.geometry.shadow(&Ray::between(a, b), 0.9999 * a.distance(b)) == Shadow::Clear;
+        black_box(rays.iter().filter(clear).count());
+        rays.len() as u64
+    })
+}
+
+/// Pairs of a light and what it lights.
+fn pairs(scene: &Scene, name: &str) -> f64 {
+    let components = ("components".into(), ParameterValue::Text("multiple+indirect".into()));
+    let integrator = Some(IntegratorDesc { name: name.into(), parameters: [components].into_iter().collect() });
+    let settings = Settings { integrator, threads: Some(1), ..Settings::default() };
+    best(|| {
+        let mut rendering = Rendering::new(scene, &settings).unwrap_or_else(|e| panic!("{name}: {e}"));
+        rendering.add_passes(PASSES).expect("memory is unlimited");
+        rendering.counts().connections
+    })
+}
+
+fn main() {
+    for name in ["cornell-smoke.xml", "statue-smoke.xml", "fruit-juice.xml", "foggy-street.xml"] {
+        let scene = scene(name);
+        println!("{name}: {:.2} M shadow rays/s alone", shadow_rays(&scene));
+        for method in ["vpl", "vsl", "vrl", "vbl"] {
+            println!("    {method} {:6.2} M pairs/s", pairs(&scene, method));
+        }
+    }
+}
