@@ -216,3 +216,47 @@ fn shading_normals() {
         compare(&format!("smooth pyramids, {what}"), &scene, 5, methods);
     }
 }
+
+/// Maps turn the normals that shade away from those of the mesh, more than viewers on the far side of them can follow.
+#[test]
+fn bump_and_normal_maps() {
+    let folder = tempfile::tempdir().unwrap();
+    let wave = |x: u32, y: u32, phase: f32| (0.9 * x as f32 + phase).sin() * (0.7 * y as f32 + 0.3).cos();
+    let byte = |c: f32| (127.5 + 127.5 * c).round() as u8;
+    // All lean to one side: what the maps add and take away must not cancel.
+    let heights =
+        image::GrayImage::from_fn(16, 16, |x, y| image::Luma([byte(0.11 * x as f32 - 0.85 + 0.1 * wave(x, y, 0.0))]));
+    let normals = image::RgbImage::from_fn(16, 16, |x, y| {
+        let (a, b) = (0.6 + 0.2 * wave(x, y, 0.0), 0.3 * wave(y, x, 1.0));
+        image::Rgb([byte(a), byte(b), byte((1.0 - a * a - b * b).max(0.1).sqrt())])
+    });
+    heights.save(folder.path().join("heights.png")).unwrap();
+    normals.save(folder.path().join("normals.png")).unwrap();
+    let texture = |name: &str| {
+        format!(
+            r#"<texture type="bitmap"><string name="filename" value="{name}.png"/><boolean name="raw" value="true"/></texture>"#
+        )
+    };
+    let (heights, normals) = (texture("heights"), texture("normals"));
+    let diffuse = r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.9, 0.8, 0.7"/></bsdf>"#;
+    let glass = format!(r#"<bsdf type="roughdielectric"><float name="int_ior" value="1.3"/>{ROUGH}</bsdf>"#);
+    let plain =
+        r#"<boolean name="flip_invalid_normals" value="false"/><boolean name="use_shadowing_function" value="false"/>"#;
+    let cases = [
+        ("bumps", format!(r#"<bsdf type="bumpmap">{heights}<float name="scale" value="0.2"/>{diffuse}</bsdf>"#)),
+        ("normals", format!(r#"<bsdf type="normalmap">{normals}{diffuse}</bsdf>"#)),
+        ("normals, plain", format!(r#"<bsdf type="normalmap">{normals}{plain}{diffuse}</bsdf>"#)),
+        ("normals on rough metal", format!(r#"<bsdf type="normalmap">{normals}{ROUGH_METAL}</bsdf>"#)),
+        ("normals on rough glass", format!(r#"<bsdf type="normalmap">{normals}{glass}</bsdf>"#)),
+    ];
+    // Hardly anything but the slope is lit: the floor has its light from there.
+    let spot = EMITTERS[1].1.replace("25", "11");
+    for (what, bsdf) in cases {
+        let slope = r#"<transform name="to_world"><scale value="0.9"/><rotate x="1" angle="-60"/><translate y="-0.4"/></transform>"#;
+        let parts = format!(r#"{FLOOR}{spot}<shape type="rectangle">{slope}{bsdf}</shape>"#);
+        let scene = scene_in(folder.path(), PERSPECTIVE, "box", "", &parts);
+        // As in `shading_normals`.
+        let methods = if what.ends_with("glass") { &BOTH[1..] } else { &BOTH[..] };
+        compare(what, &scene, 5, methods);
+    }
+}

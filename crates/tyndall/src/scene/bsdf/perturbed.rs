@@ -56,16 +56,33 @@ pub struct Perturbed {
     pub(super) nested: BsdfId,
 }
 
+/// Probability with which light's walk takes the normal that is turned round for viewers whom the map's own faces away from.
+const TURNED_ROUND: f32 = 0.125;
+
 impl Perturbed {
-    /// The turned frame in coordinates of the shading frame.
+    /// The map's normal as seen along `wo`, and whether it has been turned round for that.
     #[inline]
-    fn frame(&self, ctx: &SurfaceContext, wo: Vec3) -> Frame {
-        let mut n = self.relief.normal(ctx);
-        if self.flip_invalid_normals && wo.z * wo.dot(n) <= 0.0 {
-            // Half a turn about the shading normal brings it to the viewer's side (Schuessler et al. 2017).
-            n = Vec3::new(-n.x, -n.y, n.z);
+    fn seen(&self, normal: Vec3, wo: Vec3) -> (Vec3, bool) {
+        if self.flip_invalid_normals && wo.z * wo.dot(normal) <= 0.0 {
+            return (turn_round(normal), true);
         }
-        Frame::from_normal_and_tangent(n.try_normalize().unwrap_or(Vec3::Z), Vec3::X)
+        (normal, false)
+    }
+
+    /// Whether some viewers see the normal turned round.
+    #[inline]
+    fn turns(&self, normal: Vec3) -> bool {
+        self.flip_invalid_normals && (normal.x != 0.0 || normal.y != 0.0)
+    }
+
+    /// Probability with which light's walk takes the normal as it is, or turned round.
+    #[inline]
+    fn probability(&self, normal: Vec3, turned: bool) -> f32 {
+        match (self.turns(normal), turned) {
+            (false, _) => 1.0,
+            (true, true) => TURNED_ROUND,
+            (true, false) => 1.0 - TURNED_ROUND,
+        }
     }
 
     /// The surface with the turned frame for its shading frame.
@@ -86,6 +103,23 @@ impl Perturbed {
         2.0 / (1.0 + (1.0 + alpha2 * tan2(wi)).sqrt())
     }
 
+    /// What the value of the nested model is multiplied by when `light` goes on to the viewer: with radiance the cosine is that
+    /// of the turned normal and light's direction, and so it must be with importance, whose density on the surface has the
+    /// cosine of the normal that shades (Veach 1997, section 5.3). `None` when the light is on the turned normal's other side.
+    #[inline]
+    fn adjoint(
+        &self,
+        frame: &Frame,
+        [light, viewer]: [Vec3; 2],
+        [inner_light, inner_viewer]: [Vec3; 2],
+    ) -> Option<f32> {
+        let denominator = light.z * inner_viewer.z;
+        if !(light.z * inner_light.z > 0.0) || denominator == 0.0 {
+            return None;
+        }
+        Some((inner_light.z * viewer.z / denominator).abs() * self.shadowing(frame, light))
+    }
+
     #[inline]
     pub(super) fn sample(
         &self,
@@ -96,18 +130,38 @@ impl Perturbed {
         u1: f32,
         u2: Vec2,
     ) -> Option<BsdfSample> {
-        let frame = self.frame(ctx, wo);
+        let map = self.relief.normal(ctx);
+        // Which normal counts is up to the viewer. Light's walk does not know it yet.
+        let (normal, turned, probability, u1) = match transport {
+            Transport::Radiance => {
+                let (normal, turned) = self.seen(map, wo);
+                (normal, turned, 1.0, u1)
+            }
+            Transport::Importance if !self.turns(map) => (map, false, 1.0, u1),
+            Transport::Importance if u1 < TURNED_ROUND => (turn_round(map), true, TURNED_ROUND, u1 / TURNED_ROUND),
+            Transport::Importance => {
+                let rest = 1.0 - TURNED_ROUND;
+                (map, false, rest, ((u1 - TURNED_ROUND) / rest).min(1.0 - f32::EPSILON))
+            }
+        };
+        let frame = frame(normal);
         let surface = Self::turned(ctx, &frame);
         let inner = SurfaceContext { surface: &surface, ..*ctx };
-        let sample = bsdfs.sample(self.nested, &inner, frame.to_local(wo), transport, u1, u2)?;
-        if sample.event.null {
-            return Some(BsdfSample { wi: -wo, ..sample });
-        }
-        let wi = frame.to_world(sample.wi);
-        if !(wi.z * sample.wi.z > 0.0) {
-            return None;
-        }
-        Some(BsdfSample { wi, weight: sample.weight * self.shadowing(&frame, wi), ..sample })
+        let inner_wo = frame.to_local(wo);
+        let sample = bsdfs.sample(self.nested, &inner, inner_wo, transport, u1, u2)?;
+        let (wi, viewer) = match sample.event.null {
+            true => (-wo, wo),
+            false => (frame.to_world(sample.wi), frame.to_world(sample.wi)),
+        };
+        let factor = match transport {
+            Transport::Importance if self.seen(map, viewer).1 != turned => return None,
+            _ if sample.event.null => 1.0,
+            Transport::Radiance if !(wi.z * sample.wi.z > 0.0) => return None,
+            Transport::Radiance => self.shadowing(&frame, wi),
+            Transport::Importance => self.adjoint(&frame, [wo, wi], [inner_wo, sample.wi])?,
+        };
+        let pdf = PerSolidAngle(sample.pdf.0 * probability);
+        Some(BsdfSample { wi, weight: sample.weight * (factor / probability), pdf, ..sample })
     }
 
     #[inline]
@@ -119,22 +173,41 @@ impl Perturbed {
         wi: Vec3,
         transport: Transport,
     ) -> (Spectrum, PerSolidAngle) {
-        let frame = self.frame(ctx, wo);
-        let inner_wi = frame.to_local(wi);
-        if !(wi.z * inner_wi.z > 0.0) {
-            return super::NOTHING;
-        }
+        let map = self.relief.normal(ctx);
+        let (normal, turned) = self.seen(map, if transport == Transport::Radiance { wo } else { wi });
+        let frame = frame(normal);
+        let (inner_wo, inner_wi) = (frame.to_local(wo), frame.to_local(wi));
+        let (factor, probability) = match transport {
+            Transport::Radiance if !(wi.z * inner_wi.z > 0.0) => return super::NOTHING,
+            Transport::Radiance => (self.shadowing(&frame, wi), 1.0),
+            Transport::Importance => match self.adjoint(&frame, [wo, wi], [inner_wo, inner_wi]) {
+                Some(factor) => (factor, self.probability(map, turned)),
+                None => return super::NOTHING,
+            },
+        };
         let surface = Self::turned(ctx, &frame);
         let inner = SurfaceContext { surface: &surface, ..*ctx };
-        let (value, pdf) = bsdfs.eval(self.nested, &inner, frame.to_local(wo), inner_wi, transport);
-        (value * self.shadowing(&frame, wi), pdf)
+        let (value, pdf) = bsdfs.eval(self.nested, &inner, inner_wo, inner_wi, transport);
+        (value * factor, PerSolidAngle(pdf.0 * probability))
     }
 
     #[inline]
     pub(super) fn null_transmission(&self, bsdfs: &Bsdfs, ctx: &SurfaceContext, wo: Vec3) -> Spectrum {
-        let frame = self.frame(ctx, wo);
+        let frame = frame(self.seen(self.relief.normal(ctx), wo).0);
         let surface = Self::turned(ctx, &frame);
         let inner = SurfaceContext { surface: &surface, ..*ctx };
         bsdfs.null_transmission(self.nested, &inner, frame.to_local(wo))
     }
+}
+
+/// Half a turn about the shading normal, which brings a normal to the viewer's side (Schuessler et al. 2017).
+#[inline]
+fn turn_round(normal: Vec3) -> Vec3 {
+    Vec3::new(-normal.x, -normal.y, normal.z)
+}
+
+/// The frame of a normal in coordinates of the shading frame.
+#[inline]
+fn frame(normal: Vec3) -> Frame {
+    Frame::from_normal_and_tangent(normal.try_normalize().unwrap_or(Vec3::Z), Vec3::X)
 }
