@@ -185,7 +185,7 @@ fn every_technique_finds_all_light_in_fog() {
         ("alpha", "1"),
         ("continuation", "1"),
     ];
-    let found = alone(&scene, &described("upbp", &set), 3, 100);
+    let found = alone(&scene, &described("upbp", &set), 3, 75);
     agree("fog", &found, 0.02, 0.02, |technique| match technique {
         Technique::Join { light, camera } => light + camera > 2 && (light < 2 || camera < 2),
         Technique::Merge { merging, .. } => matches!(merging, Merging::BeamPoint | Merging::BeamBeam),
@@ -201,7 +201,7 @@ fn every_technique_finds_all_light_in_fog() {
         ("continuation", "1"),
         ("techniques", "bpt,pp3d"),
     ];
-    let found = alone(&scene, &described("upbp", &set), 3, 100);
+    let found = alone(&scene, &described("upbp", &set), 3, 75);
     agree("fog", &found, 0.03, 0.056, |technique| matches!(technique, Technique::Merge { .. }));
 }
 
