@@ -14,12 +14,6 @@ fn polynomial<L: Lanes, const N: usize>(x: L, coefficients: [f32; N]) -> L {
     sum
 }
 
-/// `-x`.
-#[inline(always)]
-pub fn negate<L: Lanes>(x: L) -> L {
-    L::splat(0.0).sub(x)
-}
-
 /// `exp(x)`; beyond [-87, 88] the value there.
 #[inline(always)]
 pub fn exp<L: Lanes>(x: L) -> L {
