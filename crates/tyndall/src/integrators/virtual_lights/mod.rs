@@ -9,6 +9,7 @@ mod camera;
 mod chosen;
 mod lightcuts;
 mod nearby;
+mod roulette;
 pub mod registry;
 
 use self::camera::Seeker;
@@ -229,11 +230,21 @@ impl Integrator for VirtualLights {
 }
 
 /// Light from `light` that scatters at `camera`, times the number of light paths; 1/d^2 is bounded by `clamp` (1/m^2; 0: not).
+/// `looks` is told what that would be if nothing stood between, and answers as in [`transfer`].
 #[inline]
-fn lit(scene: &Scene, way: Option<Way>, light: &Vertex, camera: &Vertex, clamp: f32, rng: &mut Rng) -> Spectrum {
+fn lit(
+    scene: &Scene,
+    way: Option<Way>,
+    light: &Vertex,
+    camera: &Vertex,
+    clamp: f32,
+    rng: &mut Rng,
+    looks: impl FnOnce(Spectrum, &mut Rng) -> Option<f32>,
+) -> Spectrum {
     let Some(way) = way else { return Spectrum::ZERO };
-    match transfer(scene, &way, light, camera, rng) {
-        Some(value) => light.throughput * camera.throughput * value * kept(clamp, way.spread),
+    let factor = light.throughput * camera.throughput * kept(clamp, way.spread);
+    match transfer(scene, &way, light, camera, rng, |value, rng| looks(value * factor, rng)) {
+        Some(value) => value * factor,
         None => Spectrum::ZERO,
     }
 }
