@@ -274,7 +274,7 @@ fn connections() -> Effort {
 
 fn all() -> Effort {
     let merges = Effort { surface: 7.0, point_point: 0.6, beam_point: 3.0, beam_beam: 11.0, ..connections() };
-    Effort { most_first: 32.0, split: true, ..merges }
+    Effort { most_first: 32.0, split: true, join: Effort::JOIN, ..merges }
 }
 
 #[test]

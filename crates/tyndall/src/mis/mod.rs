@@ -26,7 +26,7 @@ pub fn weigh_join(effort: &Effort, light: &End, camera: &End, join: &Join) -> f3
         camera.arrival.depart::<FromCamera>(effort, &camera.corner, -*direction, Some(0.0), turn_c.reverse.0);
     let before = turn_c.pdf.0 * spread * onward_l.before::<FromLight>(edge);
     let after = turn_l.pdf.0 * spread * onward_c.before::<FromCamera>(&edge.reversed());
-    let connect = camera.corner.merges.connect * effort.connect;
+    let connect = camera.corner.merges.connect * effort.connect * effort.join;
     connect / (connect + before + after)
 }
 
@@ -78,7 +78,7 @@ pub fn weigh_sampled(
 #[inline]
 pub fn weigh_hit(lit: &Lit, leg: &Leg, edge: &Edge, spread: f32) -> f32 {
     let Lit { density, sampled } = lit;
-    let Arrival { connected, before, .. } = leg.arrive::<FromCamera>(edge, spread, density.cos, false);
+    let Arrival { connected, before, .. } = Leg { join: 1.0, ..*leg }.arrive::<FromCamera>(edge, spread, density.cos, false);
     let Leg { hits, direct, .. } = *leg;
     direct * hits / (direct * (hits + sampled * connected) + density.place * density.onward * before)
 }

@@ -28,6 +28,8 @@ use crate::scene::sensor::RayDensity;
 pub struct Effort {
     /// Connections and hits: 1 or 0.
     pub connect: f32,
+    /// What joining two vertices counts that both walks have come to, in units of sampling an emitter.
+    pub join: f32,
     /// Connections to the lens: light paths of a pass.
     pub lens: f32,
     /// Merging of points on surfaces: light paths times the area of the blur, m^2.
@@ -56,6 +58,7 @@ impl Effort {
     /// Nothing is done.
     pub const NONE: Self = Self {
         connect: 0.0,
+        join: 1.0,
         lens: 0.0,
         surface: 0.0,
         point_point: 0.0,
@@ -68,6 +71,10 @@ impl Effort {
 
     /// Light paths merged where the camera's walk has scattered before, for each merged at its first vertex.
     pub const BEYOND: f32 = 1.0 / 16.0;
+
+    /// What joining two vertices that both walks have come to counts beside merges: all joints of a walk of light with one of
+    /// the camera's share the noise of both, and merges find the same paths.
+    pub const JOIN: f32 = 1.0 / 16.0;
 
     /// Merges on a surface for which one sample of direct light at the camera's first vertex counts: it varies less from
     /// sample to sample than the number of photons that lie there by chance.
@@ -212,6 +219,8 @@ pub struct Leg {
     pub spreads: bool,
     /// Weight of the technique that connects the start with the next vertex, in units of its density by walks.
     pub connect: f32,
+    /// As in [`Effort::join`]: factor of that, if the next vertex is not on an emitter.
+    pub join: f32,
     /// What running into an emitter at the end counts.
     pub hits: f32,
     /// As in [`Merges::direct`], of the start.
@@ -239,6 +248,7 @@ impl Leg {
             density: density.onward,
             spreads: !density.parallel,
             connect: 0.0,
+            join: 1.0,
             hits: 1.0,
             direct: 1.0,
             emitted: true,
@@ -265,6 +275,7 @@ impl Leg {
             density: lens.density,
             spreads: !lens.parallel,
             connect: effort.lens,
+            join: 1.0,
             hits: 1.0,
             direct: 1.0,
             emitted: false,
@@ -317,7 +328,7 @@ impl Leg {
             Transport::Radiance if self.certain => 1.0 / (edge.survival * edge.rates[1]),
             Transport::Radiance => 1.0 / (edge.stretches[1] * edge.rates[1]),
         };
-        let (connected, before) = (self.connect * inverse / spread, self.before::<M>(edge) * inverse);
+        let (connected, before) = (self.connect * self.join * inverse / spread, self.before::<M>(edge) * inverse);
         Arrival { emitted: self.emitted, connected, before, covered }
     }
 }
@@ -354,6 +365,7 @@ impl Arrival {
             density: density.unwrap_or(1.0),
             spreads: true,
             connect: 0.0,
+            join: 1.0,
             hits: 1.0,
             direct: 1.0,
             emitted: false,
@@ -382,6 +394,6 @@ impl Arrival {
         } else {
             collided += share * surface;
         }
-        Leg { connect: connect * effort.connect, hits: connect, direct, collided, covering, ..leg }
+        Leg { connect: connect * effort.connect, join: effort.join, hits: connect, direct, collided, covering, ..leg }
     }
 }

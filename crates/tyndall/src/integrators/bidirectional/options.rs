@@ -1,9 +1,13 @@
 //! What can be chosen.
 
-use crate::integrators::volpath::{RR_CAP, depth};
+use crate::integrators::volpath::depth;
 use crate::integrators::{ParameterError, ParameterInfo, ParameterKind, Parameters};
 use crate::math::Kernel;
 use crate::walk::{Media, Rules};
+
+/// Largest probability of surviving a turn of the roulette: higher than that of path tracing, since in bright media walks that
+/// outlive it count ever more, all vertices of a walk of light with all of the camera's.
+const RR_CAP: f32 = 0.99;
 
 /// Ways to find a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

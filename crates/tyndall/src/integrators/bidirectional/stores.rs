@@ -197,6 +197,7 @@ impl Stores {
         let number = |wanted: bool, paths: u32| if wanted { paths as f32 } else { 0.0 };
         self.effort = Effort {
             connect: number(bpt, 1),
+            join: if options.techniques.merge() { Effort::JOIN } else { 1.0 },
             lens: if bpt { pixels } else { 0.0 },
             surface: number(surface, paths) * Kernel::extent(2, patch),
             point_point: number(point_point, paths) * Kernel::extent(3, ball),
