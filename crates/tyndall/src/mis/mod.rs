@@ -78,7 +78,8 @@ pub fn weigh_sampled(
 #[inline]
 pub fn weigh_hit(lit: &Lit, leg: &Leg, edge: &Edge, spread: f32) -> f32 {
     let Lit { density, sampled } = lit;
-    let Arrival { connected, before, .. } = Leg { join: 1.0, ..*leg }.arrive::<FromCamera>(edge, spread, density.cos, false);
+    let Arrival { connected, before, .. } =
+        Leg { join: 1.0, ..*leg }.arrive::<FromCamera>(edge, spread, density.cos, false);
     let Leg { hits, direct, .. } = *leg;
     direct * hits / (direct * (hits + sampled * connected) + density.place * density.onward * before)
 }

@@ -9,8 +9,8 @@ mod camera;
 mod chosen;
 mod lightcuts;
 mod nearby;
-mod roulette;
 pub mod registry;
+mod roulette;
 
 use self::camera::Seeker;
 use self::chosen::Choice;
