@@ -58,17 +58,8 @@ impl Way {
 
 /// Both turns, transmittance and spread of the way from `light` to `camera`, 1/(m^2 sr^2). Times the throughputs of both
 /// walks on arrival it is the radiance of this path. `None` when nothing gets from one to the other.
-///
-/// `looks` is told all but the transmittance, and says by which factor it counts if the way is looked along; `None`: it is not.
 #[inline]
-pub fn transfer(
-    scene: &Scene,
-    way: &Way,
-    light: &Vertex,
-    camera: &Vertex,
-    rng: &mut Rng,
-    looks: impl FnOnce(Spectrum, &mut Rng) -> Option<f32>,
-) -> Option<Spectrum> {
+pub fn transfer(scene: &Scene, way: &Way, light: &Vertex, camera: &Vertex, rng: &mut Rng) -> Option<Spectrum> {
     let at_camera = turned::<FromCamera>(scene, camera, -way.turning);
     if at_camera.is_black() {
         return None;
@@ -77,7 +68,6 @@ pub fn transfer(
     if value.is_black() {
         return None;
     }
-    let value = value * looks(value, rng)?;
     let (ray, length, medium) = way.shadow(scene, light, camera);
     Some(value * passage(scene, ray, length, medium, true, rng)?.transmittance)
 }

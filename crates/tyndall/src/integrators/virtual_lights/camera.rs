@@ -1,14 +1,13 @@
 //! The camera's walk, connected with lights.
 
 use super::batch::Batch;
-use super::roulette::Roulette;
 use super::{VirtualLights, lit, wanted};
 use crate::Spectrum;
 use crate::estimators::connect::Way;
 use crate::estimators::equiangular::Equiangular;
 use crate::estimators::turns::{Distances, PairTurns, Pairs, Phases};
 use crate::math::lanes::Level;
-use crate::math::{Ray, Rng, Sampler, Vec2};
+use crate::math::{Ray, Sampler, Vec2};
 use crate::scene::Scene;
 use crate::walk::{FromCamera, Onward, Profile, Scattering, Segment, Sink, Start, Vertex, walk};
 use std::cell::Cell;
@@ -27,7 +26,6 @@ pub(super) struct Seeker<'a> {
     profile: &'a mut Profile,
     /// Edges so far.
     connections: &'a Cell<u64>,
-    roulette: Roulette,
     radiance: Spectrum,
 }
 
@@ -53,12 +51,12 @@ impl<'a> Seeker<'a> {
         profile: &'a mut Profile,
         connections: &'a Cell<u64>,
     ) -> Self {
-        Self { lights, scene, profile, connections, roulette: Roulette::default(), radiance: Spectrum::ZERO }
+        Self { lights, scene, profile, connections, radiance: Spectrum::ZERO }
     }
 
-    /// Light from `light` that scatters at `camera`, times the number of light paths and `weight`.
+    /// Light from `light` that scatters at `camera`, times the number of light paths.
     #[inline]
-    fn join(&self, light: &Vertex, camera: &Vertex, weight: f32, sampler: &mut Sampler) -> Spectrum {
+    fn join(&self, light: &Vertex, camera: &Vertex, sampler: &mut Sampler) -> Spectrum {
         let radius = self.lights.radius;
         let way = match radius > 0.0 {
             true => {
@@ -68,8 +66,7 @@ impl<'a> Seeker<'a> {
             false => Way::new(light.position, camera.position),
         };
         self.connections.set(self.connections.get() + 1);
-        let looks = |value: Spectrum, rng: &mut Rng| self.roulette.survive(value.max_channel() * weight, rng);
-        lit(self.scene, way, light, camera, self.lights.options.clamp, sampler.rng(), looks) * weight
+        lit(self.scene, way, light, camera, self.lights.options.clamp, sampler.rng())
     }
 
     /// Whether light scattered `scatterings` times may scatter at a light and at a camera's vertex with that many before.
@@ -110,11 +107,11 @@ impl Seeker<'_> {
 
     /// Light of a point, scattered on the stretch.
     #[inline]
-    fn point_to_stretch(&self, light: &Vertex, stretch: &Stretch, weight: f32, sampler: &mut Sampler) -> Spectrum {
+    fn point_to_stretch(&self, light: &Vertex, stretch: &Stretch, sampler: &mut Sampler) -> Spectrum {
         let distances = Equiangular::softened(&stretch.ray, stretch.length, light.position, self.lights.radius);
         self.stratified(sampler, |u, samples, sampler| {
             let t = distances.sample(u).min(stretch.length);
-            self.join(light, &self.vertex_at(stretch, t, distances.density(t).0 * samples), weight, sampler)
+            self.join(light, &self.vertex_at(stretch, t, distances.density(t).0 * samples), sampler)
         })
     }
 
@@ -152,7 +149,7 @@ impl Seeker<'_> {
             if let Some(from) = light.vertex(self.scene, s.0[lane])
                 && pdf.0[lane] > 0.0
             {
-                sum += self.join(&from, &self.vertex_at(stretch, t.0[lane], pdf.0[lane]), weight, sampler);
+                sum += self.join(&from, &self.vertex_at(stretch, t.0[lane], pdf.0[lane]), sampler) * weight;
             }
         }
         sum
@@ -175,7 +172,7 @@ impl Seeker<'_> {
             if let Some(from) = light.vertex(self.scene, s.0[lane])
                 && pdf.0[lane] > 0.0
             {
-                sum += self.join(&from, camera, weight / pdf.0[lane], sampler);
+                sum += self.join(&from, camera, sampler) * (weight / pdf.0[lane]);
             }
         }
         sum
@@ -186,12 +183,11 @@ impl Seeker<'_> {
         let lights = self.lights;
         let before = vertex.scatterings;
         let mut sum = Spectrum::ZERO;
-        self.roulette.start();
         let shift = sampler.rng().f32();
         lights.points.visit(count, shift, |i, weight| {
             let light = &lights.paths.vertices[i];
             if self.counts(light.scatterings, before) {
-                sum += self.join(light, vertex, weight, sampler);
+                sum += self.join(light, vertex, sampler) * weight;
             }
         });
         let counts = |scatterings| self.counts(scatterings, before);
@@ -213,12 +209,11 @@ impl Sink for Seeker<'_> {
         let lights = self.lights;
         let stretch = Stretch { segment, ray, length };
         let mut sum = Spectrum::ZERO;
-        self.roulette.start();
         let shift = sampler.rng().f32();
         lights.points.visit(lights.options.lights, shift, |i, weight| {
             let light = &lights.paths.vertices[i];
             if self.counts(light.scatterings, before) {
-                sum += self.point_to_stretch(light, &stretch, weight, sampler);
+                sum += self.point_to_stretch(light, &stretch, sampler) * weight;
             }
         });
         let counts = |scatterings| self.counts(scatterings, before);

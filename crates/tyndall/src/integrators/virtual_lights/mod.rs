@@ -10,7 +10,6 @@ mod chosen;
 mod lightcuts;
 mod nearby;
 pub mod registry;
-mod roulette;
 
 use self::camera::Seeker;
 use self::chosen::Choice;
@@ -230,21 +229,11 @@ impl Integrator for VirtualLights {
 }
 
 /// Light from `light` that scatters at `camera`, times the number of light paths; 1/d^2 is bounded by `clamp` (1/m^2; 0: not).
-/// `looks` is told what that would be if nothing stood between, and answers as in [`transfer`].
 #[inline]
-fn lit(
-    scene: &Scene,
-    way: Option<Way>,
-    light: &Vertex,
-    camera: &Vertex,
-    clamp: f32,
-    rng: &mut Rng,
-    looks: impl FnOnce(Spectrum, &mut Rng) -> Option<f32>,
-) -> Spectrum {
+fn lit(scene: &Scene, way: Option<Way>, light: &Vertex, camera: &Vertex, clamp: f32, rng: &mut Rng) -> Spectrum {
     let Some(way) = way else { return Spectrum::ZERO };
-    let factor = light.throughput * camera.throughput * kept(clamp, way.spread);
-    match transfer(scene, &way, light, camera, rng, |value, rng| looks(value * factor, rng)) {
-        Some(value) => value * factor,
+    match transfer(scene, &way, light, camera, rng) {
+        Some(value) => light.throughput * camera.throughput * value * kept(clamp, way.spread),
         None => Spectrum::ZERO,
     }
 }

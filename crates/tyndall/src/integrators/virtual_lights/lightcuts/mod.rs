@@ -275,7 +275,7 @@ impl Lightcuts {
         if !self.options.counts(light.scatterings, point.scatterings) {
             return Spectrum::ZERO;
         }
-        lit(scene, Way::new(light.position, point.position), light, point, self.clamp, rng, |_, _| Some(1.0))
+        lit(scene, Way::new(light.position, point.position), light, point, self.clamp, rng)
     }
 }
 
