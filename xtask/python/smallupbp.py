@@ -2,8 +2,8 @@
 
     python3 xtask/python/smallupbp.py candle.obj OUT
 
-Read are diffuse reflectances, emission, refractive indices with the media inside, and the camera. An index of one becomes a
-boundary that matches; `$ior` in the scene changes that: with 1.0001 emitters are not found through it by sampling, as in SmallUPBP.
+Read are diffuse reflectances, emission, refractive indices with the media inside, and the camera. The boundary of a medium is a
+smooth surface even where its index is one, as in SmallUPBP: emitters are not found through it by sampling.
 """
 
 import math
@@ -65,7 +65,7 @@ def shape(name, kind):
     lines = f'    <shape type="obj" id="{name}"><string name="filename" value="{name}.obj"/>\n'
     lines += '        <boolean name="face_normals" value="true"/>\n'
     if float(kind.get("ior", ["-1"])[0]) > 0 and "mediumId" in kind:
-        ior = '<float name="int_ior" value="$ior"/><float name="ext_ior" value="1"/>'
+        ior = f'<float name="int_ior" value="{kind["ior"][0]}"/><float name="ext_ior" value="1"/>'
         lines += f'        <bsdf type="dielectric">{ior}</bsdf><ref name="interior" id="{kind["mediumId"][0]}"/>\n'
     else:
         lines += f'        <bsdf type="diffuse">{rgb("reflectance", kind.get("Kd", ["0"] * 3)[:3])}</bsdf>\n'
@@ -75,6 +75,8 @@ def shape(name, kind):
 
 
 def main():
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
     obj, out = Path(sys.argv[1]), Path(sys.argv[2])
     known, media, camera = materials(obj.with_suffix(".mtl"), Path(f"{obj}.aux"))
     out.mkdir(parents=True, exist_ok=True)
@@ -82,7 +84,7 @@ def main():
     at = [p - d for p, d in zip(rows[3], rows[2])]
     view, target, up = (", ".join(map(repr, v)) for v in (rows[3], at, rows[1]))
     scene = '<scene version="3.0.0">\n'
-    for name, value in {"ior": 1, "width": 64, "height": 64, "spp": 64, "max_depth": 10}.items():
+    for name, value in {"width": 64, "height": 64, "spp": 64, "max_depth": 10}.items():
         scene += f'    <default name="{name}" value="{value}"/>\n'
     scene += '    <integrator type="volpath"><integer name="max_depth" value="$max_depth"/></integrator>\n'
     scene += f'''    <sensor type="perspective">
