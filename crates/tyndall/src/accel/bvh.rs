@@ -187,7 +187,7 @@ impl Bvh {
             return;
         }
         let slab = Slab::<L>::new(ray, self.largest);
-        self.any::<L, _>(t_max.min(f32::MAX), |node, t_max| slab.meet(node, t_max).1, visit);
+        self.any::<L, _>(t_max.min(f32::MAX), &slab, visit);
     }
 
     /// Visits the leaves whose boxes overlap the closed box `region` (a point is a box without extent), in no
@@ -197,15 +197,14 @@ impl Bvh {
         if self.nodes.is_empty() {
             return;
         }
-        let low = splat::<L>(row(region.min).0);
-        let high = splat::<L>(row(region.max).0);
-        self.any::<L, _>(f32::INFINITY, |node, _| node.overlap(&low, &high), visit);
+        let region = Region::<L> { low: splat(row(region.min).0), high: splat(row(region.max).0) };
+        self.any::<L, _>(f32::INFINITY, &region, visit);
     }
 
-    /// Depth-first over the children that `meet` lets in, until a leaf answers with a negative distance. Leaves that are
+    /// Depth-first over the children that `probe` meets, until a leaf answers with a negative distance. Leaves that are
     /// announced wait for a few others to be found, while their memory comes.
     #[inline(always)]
-    fn any<L: Lanes, V: Visit>(&self, mut t_max: f32, meet: impl Fn(&Node, f32) -> u32, visit: &mut V) {
+    fn any<L: Lanes, V: Visit>(&self, mut t_max: f32, probe: &impl Probe, visit: &mut V) {
         let mut stack = Stack::<u32, STACK>::new();
         stack.set(0, 0);
         let mut waiting = 1;
@@ -222,7 +221,7 @@ impl Bvh {
                 continue;
             }
             let node = self.node(current);
-            let mut hits = meet(node, t_max);
+            let mut hits = probe.hits(node, t_max);
             while hits != 0 {
                 let child = node.children[hits.trailing_zeros() as usize & 7];
                 hits &= hits - 1;
@@ -260,7 +259,33 @@ impl Bvh {
     }
 }
 
-/// Three numbers, each in all lanes. (Closures over lanes may fail to be inlined, and then are slow: none is used.)
+/// What is looked for in boxes. (No closure: those over lanes may fail to be inlined, and then are slow.)
+trait Probe {
+    /// The boxes that are met, nearer than `t_max`, as bits.
+    fn hits(&self, node: &Node, t_max: f32) -> u32;
+}
+
+impl<L: Lanes> Probe for Slab<L> {
+    #[inline(always)]
+    fn hits(&self, node: &Node, t_max: f32) -> u32 {
+        self.meet(node, t_max).1
+    }
+}
+
+/// A box.
+struct Region<L> {
+    low: [L; 3],
+    high: [L; 3],
+}
+
+impl<L: Lanes> Probe for Region<L> {
+    #[inline(always)]
+    fn hits(&self, node: &Node, _: f32) -> u32 {
+        node.overlap(&self.low, &self.high)
+    }
+}
+
+/// Three numbers, each in all lanes.
 #[inline(always)]
 fn splat<L: Lanes>([x, y, z, ..]: [f32; WIDTH]) -> [L; 3] {
     [L::splat(x), L::splat(y), L::splat(z)]

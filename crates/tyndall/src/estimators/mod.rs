@@ -7,6 +7,7 @@
 
 pub mod cells;
 pub mod connect;
+pub mod edges;
 pub mod equiangular;
 pub mod gather;
 pub mod joint;

@@ -7,9 +7,9 @@ use crate::math::lanes::{Lanes, Row, WIDTH};
 use crate::math::triples::{Lines, along, load, minus, splat};
 use crate::math::{Ray, Vec3};
 
-/// Eight rays of light.
+/// Eight rays.
 #[derive(Clone, Copy, Debug)]
-pub struct LightRays {
+pub struct EightRays {
     /// Their starts: x, y, z, metres.
     pub(super) origin: [Row; 3],
     /// Unit directions: x, y, z.
@@ -18,7 +18,7 @@ pub struct LightRays {
     pub(super) length: Row,
 }
 
-impl Default for LightRays {
+impl Default for EightRays {
     /// Rays that nothing is done with.
     fn default() -> Self {
         let [zero, one] = [0.0, 1.0].map(|x| Row([x; WIDTH]));
@@ -26,7 +26,13 @@ impl Default for LightRays {
     }
 }
 
-impl LightRays {
+impl EightRays {
+    /// The same ray in all lanes.
+    pub fn all(ray: &Ray, length: f32) -> Self {
+        let rows = |v: Vec3| v.to_array().map(|x| Row([x; WIDTH]));
+        Self { origin: rows(ray.origin), direction: rows(ray.direction), length: Row([length; WIDTH]) }
+    }
+
     /// Puts a ray of that length into a lane.
     #[inline(always)]
     pub fn set(&mut self, lane: usize, ray: &Ray, length: f32) {
@@ -73,7 +79,7 @@ const PARALLEL: f32 = 1e-6;
 impl<L: Lanes> RayPair<L> {
     /// `radius` bounds the density where the rays come close: 0 for none.
     #[inline(always)]
-    pub(super) fn new(camera: &Ray, camera_length: f32, rays: &LightRays, radius: f32) -> Self {
+    pub(super) fn new(camera: &Ray, camera_length: f32, rays: &EightRays, radius: f32) -> Self {
         let (one, direction) = (L::splat(1.0), splat::<L>(camera.direction));
         let (light, length) = (load::<L>(&rays.direction), L::load(&rays.length));
         let between = minus(load(&rays.origin), splat(camera.origin));

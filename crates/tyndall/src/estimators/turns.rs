@@ -7,12 +7,12 @@
 //! samples have exactly the density that they are given with. Eight rays of light are sampled at once.
 
 use super::equiangular::EquiangularLanes;
-use super::ray_pair::{LightRays, RayPair};
+use super::ray_pair::{EightRays, RayPair};
+use crate::math::Ray;
 use crate::math::functions::sin_cos;
 use crate::math::lanes::{Kernel, Lanes, Row, WIDTH};
 use crate::math::polyline::{Polyline, integral};
-use crate::math::triples::{dot, load, minus, splat};
-use crate::math::{Ray, Vec3};
+use crate::math::triples::{dot, load, minus};
 use crate::scene::phase::Phase;
 
 /// Nodes over the angle at a point.
@@ -203,7 +203,7 @@ pub struct Pairs<'a> {
     /// Its length, metres.
     pub length: f32,
     /// Light's.
-    pub lights: &'a LightRays,
+    pub lights: &'a EightRays,
     /// Softens 1/d^2, metres.
     pub radius: f32,
     /// `None`: only distances count.
@@ -233,16 +233,16 @@ impl Kernel for Pairs<'_> {
     }
 }
 
-/// Chooses a distance on each of eight rays of light, for light that goes on to a point.
+/// Chooses a distance on each of eight rays, for light between there and a point for each.
 #[derive(Clone, Copy, Debug)]
 pub struct Distances<'a> {
-    /// The point.
-    pub point: Vec3,
-    /// Light's rays.
-    pub lights: &'a LightRays,
+    /// The points: x, y, z, metres.
+    pub points: &'a [Row; 3],
+    /// The rays.
+    pub rays: &'a EightRays,
     /// Softens 1/d^2, metres.
     pub radius: f32,
-    /// Phase functions along light's rays and the rates at which they dim, 1/m; `None`: only distances count.
+    /// Phase functions along the rays and the rates at which they dim, 1/m; `None`: only distances count.
     pub turns: Option<(&'a Phases<'a>, &'a Row)>,
     /// Random numbers in [0, 1).
     pub u: &'a Row,
@@ -254,8 +254,8 @@ impl Kernel for Distances<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> [Row; 2] {
-        let (direction, length) = (load::<L>(&self.lights.direction), L::load(&self.lights.length));
-        let to_point = minus(splat(self.point), load(&self.lights.origin));
+        let (direction, length) = (load::<L>(&self.rays.direction), L::load(&self.rays.length));
+        let to_point = minus(load(self.points), load(&self.rays.origin));
         let across = EquiangularLanes::new(direction, length, to_point, self.radius);
         let u = L::load(self.u);
         let (s, pdf) = match self.turns {
@@ -275,8 +275,8 @@ impl Kernel for Distances<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Rng;
     use crate::math::lanes::{Level, Portable};
+    use crate::math::{Rng, Vec3};
     use crate::scene::desc::PhaseDesc;
     use tyndall_testkit::chi2;
     use tyndall_testkit::ztest::{Moments, sidak, two_sided_p};
@@ -306,8 +306,8 @@ mod tests {
     }
 
     /// One of the lights in a lane of its own, the others around it.
-    fn rows() -> LightRays {
-        let mut rows = LightRays::default();
+    fn rows() -> EightRays {
+        let mut rows = EightRays::default();
         lights().iter().enumerate().for_each(|(lane, light)| rows.set(lane, light, LIGHT_LENGTH));
         rows
     }
@@ -377,21 +377,21 @@ mod tests {
     #[test]
     fn distances_follow_their_density() {
         let gs = [0.0, 0.8, -0.5];
-        let points = [Vec3::new(1.0, 0.3, -0.8), Vec3::new(2.0, 1e-3, 0.0), Vec3::new(-1.0, 0.2, 0.0)];
+        let targets = [Vec3::new(1.0, 0.3, -0.8), Vec3::new(2.0, 1e-3, 0.0), Vec3::new(-1.0, 0.2, 0.0)];
         let lane = 5;
         let mut rows = rows();
         rows.set(lane, &camera(), CAMERA_LENGTH);
         for (case, g) in (0..).zip(gs) {
             let phase = hg(g);
             let phases = Phases::Same(&phase);
-            for (place, point) in (0..).zip(points) {
-                let rates = Row([1.0; WIDTH]);
+            for (place, point) in (0..).zip(targets) {
+                let (points, rates) = (point.to_array().map(|x| Row([x; WIDTH])), Row([1.0; WIDTH]));
                 let draw = |u: f32| {
                     let (turns, u) = (Some((&phases, &rates)), Row([u; WIDTH]));
-                    Level::dispatch(Distances { point, lights: &rows, radius: 0.0, turns, u: &u })
+                    Level::dispatch(Distances { points: &points, rays: &rows, radius: 0.0, turns, u: &u })
                         .map(|row| row.0[lane])
                 };
-                let to_point = minus(splat(point), load(&rows.origin));
+                let to_point = minus(load(&points), load(&rows.origin));
                 let direction = load::<Portable>(&rows.direction);
                 let across = EquiangularLanes::new(direction, Portable::load(&rows.length), to_point, 0.0);
                 let (along, between) = (Portable::splat(1.0), Portable::splat(0.0));
@@ -406,7 +406,7 @@ mod tests {
                 let outcome =
                     chi2::interval(sample, density, 0.0, f64::from(CAMERA_LENGTH), 100_000, case * 10 + place);
                 assert!((outcome.integral - 1.0).abs() < 1e-4, "{g} {point}: {outcome:?}");
-                assert!(outcome.passes(0.01, gs.len() * points.len()), "{g} {point}: {outcome:?}");
+                assert!(outcome.passes(0.01, gs.len() * targets.len()), "{g} {point}: {outcome:?}");
             }
         }
     }
@@ -423,7 +423,7 @@ mod tests {
     /// Of `n` weights of pairs with the first light, which fills all lanes.
     fn moments(seed: u64, n: usize, phase: &Phase, table: Option<(&Phase, f32)>) -> Moments {
         let light = lights()[0];
-        let mut rows = LightRays::default();
+        let mut rows = EightRays::default();
         (0..WIDTH).for_each(|lane| rows.set(lane, &light, LIGHT_LENGTH));
         let turns = turns((table, 0.0));
         let mut rng = Rng::keyed(seed, 0, 0);

@@ -70,6 +70,14 @@ pub fn sin_cos<L: Lanes>(angle: L) -> (L, L) {
     (sin, rest.mul(cos))
 }
 
+/// Sine and cosine of `u` whole turns, `u` in [0, 1].
+#[inline(always)]
+pub fn sin_cos_of_turn<L: Lanes>(u: L) -> (L, L) {
+    let rest = L::splat(1.0).sub(u);
+    let (sin, cos) = sin_cos(u.min(rest).mul(L::splat(std::f32::consts::TAU)));
+    (L::splat(0.0).sub(sin).select(rest.lt(u), sin), cos)
+}
+
 /// The angle in [0, pi] of the point (`x`, `y`), `y` positive.
 #[inline(always)]
 pub fn angle<L: Lanes>(y: L, x: L) -> L {
@@ -99,16 +107,17 @@ mod tests {
     struct All(Row, Row);
 
     impl Kernel for All {
-        type Output = [Row; 6];
+        type Output = [Row; 8];
 
         #[inline(always)]
-        fn run<L: Lanes>(self) -> [Row; 6] {
+        fn run<L: Lanes>(self) -> [Row; 8] {
             let (a, b) = (L::load(&self.0), L::load(&self.1));
             let positive = b.max(L::splat(1e-30));
             let turn = a.abs().min(L::splat(std::f32::consts::PI));
             let (sin, cos) = sin_cos(turn);
-            [exp(a), ln_quotient(a.abs(), positive), sin, cos, angle(positive, a), exp_minus_one(a.abs())]
-                .map(|x| x.store())
+            let (sin_u, cos_u) = sin_cos_of_turn(a.abs().min(L::splat(1.0)));
+            let (quotient, angle) = (ln_quotient(a.abs(), positive), angle(positive, a));
+            [exp(a), quotient, sin, cos, angle, exp_minus_one(a.abs()), sin_u, cos_u].map(|x| x.store())
         }
     }
 
@@ -116,7 +125,7 @@ mod tests {
     fn functions_have_small_errors_and_the_same_bits_everywhere() {
         let numbers: Vec<f32> =
             (0..200).map(|i| 1.13_f32.powi(i - 100) * if i % 2 == 0 { 1.0 } else { 0.97 }).collect();
-        let mut worst = [0.0_f64; 6];
+        let mut worst = [0.0_f64; 8];
         for sign in [1.0, -1.0] {
             for (i, a) in numbers.iter().enumerate() {
                 for chunk in numbers.chunks_exact(WIDTH) {
@@ -135,18 +144,20 @@ mod tests {
                             turn.cos(),
                             b.atan2(a),
                             a.abs().min(88.0).exp_m1(),
+                            (a.abs().min(1.0) * std::f64::consts::TAU).sin(),
+                            (a.abs().min(1.0) * std::f64::consts::TAU).cos(),
                         ];
-                        for k in 0..6 {
+                        for k in 0..8 {
                             // Sine and cosine err by their largest value, the others by their own.
-                            let unit = if k == 2 || k == 3 { 1.0 } else { expected[k] };
+                            let unit = if matches!(k, 2 | 3 | 6 | 7) { 1.0 } else { expected[k] };
                             worst[k] = worst[k].max((f64::from(found[k].0[lane]) - expected[k]).abs() / unit);
                         }
                     }
                 }
             }
         }
-        println!("errors of exp, ln, sin, cos, angle, exp - 1: {worst:?}");
-        let allowed = [3e-7, 4e-7, 2e-7, 2e-7, 4e-7, 4e-7];
-        assert!((0..6).all(|k| worst[k] < allowed[k]), "{worst:?}");
+        println!("errors of exp, ln, sin, cos, angle, exp - 1, sin and cos of turns: {worst:?}");
+        let allowed = [3e-7, 4e-7, 2e-7, 2e-7, 4e-7, 4e-7, 4e-7, 4e-7];
+        assert!((0..8).all(|k| worst[k] < allowed[k]), "{worst:?}");
     }
 }

@@ -21,6 +21,12 @@ pub(crate) fn load<L: Lanes>([x, y, z]: &[Row; 3]) -> [L; 3] {
     [L::load(x), L::load(y), L::load(z)]
 }
 
+/// Eight vectors, to memory.
+#[inline(always)]
+pub(crate) fn store<L: Lanes>([x, y, z]: [L; 3]) -> [Row; 3] {
+    [x.store(), y.store(), z.store()]
+}
+
 /// `a - b`.
 #[inline(always)]
 pub(crate) fn minus<L: Lanes>(a: [L; 3], b: [L; 3]) -> [L; 3] {

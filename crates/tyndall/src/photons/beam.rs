@@ -296,14 +296,20 @@ impl Beam {
         Ray { origin: self.origin, direction: self.direction }
     }
 
+    /// The point at distance `s` and the flux that `medium`, in which the beam is, scatters there, watts per metre.
+    #[inline]
+    pub fn scattered(&self, medium: &Medium, s: f32) -> (Vec3, Spectrum) {
+        let ray = self.ray();
+        let position = ray.at(s);
+        (position, scattered_flux(self.flux, self.attenuation, &ray, s, position, medium))
+    }
+
     /// The vertex that light's walk would have at distance `s`, if the flight had ended there with a density of 1 per
     /// metre; `None` for beams outside of media.
     #[inline]
     pub fn vertex(&self, scene: &Scene, s: f32) -> Option<Vertex> {
         let medium = self.tag.medium()?;
-        let ray = self.ray();
-        let position = ray.at(s);
-        let throughput = scattered_flux(self.flux, self.attenuation, &ray, s, position, scene.medium(medium));
+        let (position, throughput) = self.scattered(scene.medium(medium), s);
         let scattering = Scattering::Medium { medium };
         let scatterings = self.tag.scatterings();
         Some(Vertex { position, direction: self.direction, throughput, scatterings, leg: 0, scattering })

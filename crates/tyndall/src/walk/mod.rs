@@ -17,7 +17,7 @@ pub use account::Account;
 pub use density::LightDensity;
 pub use edge::Edge;
 pub use flight::{Flight, fly};
-pub use passage::{Passage, edge_passage, passage};
+pub use passage::{Passage, edge_passage, passage, passage_from};
 pub use profile::Profile;
 pub use record::{Escape, Onward, Scattering, Segment, SurfaceHit, Vertex};
 pub use reverse::{corner, reverse_pdf};

@@ -19,6 +19,10 @@ pub struct Passage {
     pub survival: f32,
 }
 
+impl Passage {
+    const FREE: Self = Self { transmittance: Spectrum::ONE, survival: 1.0 };
+}
+
 /// Light's way from the ray's origin over `length` metres, starting in `medium`; `None` when it is blocked.
 ///
 /// Index-matched boundaries change the medium on the way. Without `media` every surface blocks.
@@ -31,7 +35,23 @@ pub fn passage(
     media: bool,
     rng: &mut Rng,
 ) -> Option<Passage> {
-    pass(scene, ray, length, medium, media, rng, |_, _, _| ())
+    if !media {
+        return (!scene.geometry.occluded(&ray, length)).then_some(Passage::FREE);
+    }
+    passage_from(scene, scene.geometry.shadow(&ray, length), ray, length, medium, rng)
+}
+
+/// The same, all media present, once the first `shadow` of the way is known.
+#[inline]
+pub fn passage_from(
+    scene: &Scene,
+    shadow: Shadow,
+    ray: Ray,
+    length: f32,
+    medium: Option<MediumId>,
+    rng: &mut Rng,
+) -> Option<Passage> {
+    pass(scene, shadow, ray, length, medium, rng, |_, _, _| ())
 }
 
 /// The same way, all media present, and how likely flights pass it.
@@ -44,27 +64,24 @@ pub fn edge_passage(
     rng: &mut Rng,
 ) -> Option<(Spectrum, Edge)> {
     let mut edge = Edge::START;
-    let passage = pass(scene, ray, length, medium, true, rng, |inside, ray, length| edge.pass(inside, ray, length))?;
+    let shadow = scene.geometry.shadow(&ray, length);
+    let passage = pass(scene, shadow, ray, length, medium, rng, |inside, ray, length| edge.pass(inside, ray, length))?;
     Some((passage.transmittance, edge))
 }
 
-/// Follows the way and tells `visit` each stretch inside a medium.
+/// Follows the way, whose first `shadow` is known, and tells `visit` each stretch inside a medium.
 #[inline(always)]
 fn pass(
     scene: &Scene,
+    mut shadow: Shadow,
     mut ray: Ray,
     mut length: f32,
     mut medium: Option<MediumId>,
-    media: bool,
     rng: &mut Rng,
     mut visit: impl FnMut(&Medium, &Ray, f32),
 ) -> Option<Passage> {
-    let mut passage = Passage { transmittance: Spectrum::ONE, survival: 1.0 };
-    if !media {
-        return (!scene.geometry.occluded(&ray, length)).then_some(passage);
-    }
+    let mut passage = Passage::FREE;
     loop {
-        let shadow = scene.geometry.shadow(&ray, length);
         let (step, hit) = match &shadow {
             Shadow::Blocked => return None,
             Shadow::Clear => (length, None),
@@ -85,5 +102,6 @@ fn pass(
         medium = scene.medium_towards(&point, ray.direction, medium);
         ray.origin = point.leave(ray.direction);
         length -= step;
+        shadow = scene.geometry.shadow(&ray, length);
     }
 }

@@ -1,64 +1,105 @@
-//! Ray lights that wait to be connected, until there are enough of them to fill all lanes.
+//! Lights that wait to be connected, until there are enough of them to fill all lanes.
 
 use super::VirtualLights;
-use crate::estimators::ray_pair::LightRays;
+use crate::Spectrum;
+use crate::estimators::edges::{Junction, Junctions, Manner, Source};
+use crate::estimators::ray_pair::EightRays;
 use crate::estimators::turns::Phases;
 use crate::math::Sampler;
 use crate::math::lanes::{Row, WIDTH};
 use crate::photons::{Attenuation, Beam};
 use crate::scene::Scene;
 use crate::scene::desc::MediumId;
+use crate::walk::{FromLight, Vertex};
 
-/// Up to eight ray lights, each for one sample of its pair.
+/// A point light.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PointLight {
+    junction: Junction,
+    scatterings: u32,
+    /// The vertex of the light paths.
+    vertex: u32,
+}
+
+impl PointLight {
+    pub(super) fn new(scene: &Scene, vertex: &Vertex, index: u32) -> Self {
+        let junction = Junction::new::<FromLight>(scene, vertex);
+        Self { junction, scatterings: vertex.scatterings, vertex: index }
+    }
+
+    pub(super) fn manner(&self) -> Manner {
+        self.junction.manner
+    }
+
+    pub(super) fn vertex(&self) -> usize {
+        self.vertex as usize
+    }
+}
+
+/// Up to eight lights of one manner, each for one sample of its pair.
 pub(super) struct Batch<'a> {
-    pub(super) rays: LightRays,
+    /// Point lights; of rays the points are still to be chosen.
+    pub(super) lights: Junctions<'a>,
+    /// Ray lights.
+    pub(super) rays: EightRays,
+    beams: [Option<(&'a Beam, MediumId)>; WIDTH],
     /// Random numbers, stratified and not.
     pub(super) u: [Row; 2],
-    count: usize,
-    lights: [Option<(&'a Beam, MediumId)>; WIDTH],
-    /// The reciprocal of the expected number of samples.
-    weights: Row,
+    /// How many lights there are.
+    pub(super) count: usize,
+    /// The reciprocals of the expected numbers of samples.
+    pub(super) weight: Row,
 }
 
 impl<'a> Batch<'a> {
     fn new() -> Self {
         let zero = Row([0.0; WIDTH]);
-        Self { rays: LightRays::default(), u: [zero; 2], count: 0, lights: [None; WIDTH], weights: zero }
+        Self {
+            lights: Junctions::none(),
+            rays: EightRays::default(),
+            beams: [None; WIDTH],
+            u: [zero; 2],
+            count: 0,
+            weight: zero,
+        }
     }
 
-    fn push(&mut self, light: &'a Beam, medium: MediumId, weight: f32, u: [f32; 2]) {
+    /// Adds a light in the lane it answers with.
+    #[inline(always)]
+    fn push(&mut self, light: &Junction, source: Source<'a>, weight: f32, u: [f32; 2]) -> usize {
         let lane = self.count & (WIDTH - 1);
-        self.rays.set(lane, &light.ray(), light.length);
+        self.lights.set(lane, light, source);
         (self.u[0].0[lane], self.u[1].0[lane]) = (u[0], u[1]);
-        self.lights[lane] = Some((light, medium));
-        self.weights.0[lane] = weight;
+        self.weight.0[lane] = weight;
         self.count += 1;
+        lane
     }
 
-    /// The lanes in use: light and weight.
-    pub(super) fn lights(&self) -> impl Iterator<Item = (&'a Beam, f32)> {
-        let lights = self.lights[..self.count].iter().zip(self.weights.0);
-        lights.filter_map(|(light, weight)| light.map(|(beam, _)| (beam, weight)))
+    /// Whether a light of that manner cannot come in.
+    #[inline(always)]
+    fn refuses(&self, manner: Manner) -> bool {
+        self.count > 0 && self.lights.manner() != manner
     }
 
-    /// Media of the lights in use.
-    pub(super) fn media(&self) -> impl Iterator<Item = MediumId> {
-        self.lights[..self.count].iter().flatten().map(|(_, medium)| *medium)
+    /// The ray lights in use and their media.
+    #[inline(always)]
+    pub(super) fn beams(&self) -> impl Iterator<Item = (&'a Beam, MediumId)> {
+        self.beams[..self.count].iter().copied().flatten()
     }
 
-    /// Their phase functions.
+    /// Phase functions of the ray lights.
     pub(super) fn phases<'s>(&self, scene: &'s Scene) -> Phases<'s> {
-        let first = self.lights[0].map_or(MediumId(0), |(_, medium)| medium);
+        let first = self.beams[0].map_or(MediumId(0), |(_, medium)| medium);
         let phase = |medium| scene.medium(medium).phase();
-        if self.media().all(|medium| medium == first) {
+        if self.beams().all(|(_, medium)| medium == first) {
             return Phases::Same(phase(first));
         }
-        Phases::Each(self.lights.map(|light| phase(light.map_or(first, |(_, medium)| medium))))
+        Phases::Each(self.beams.map(|light| phase(light.map_or(first, |(_, medium)| medium))))
     }
 
-    /// Rates at which the lights dim along their rays, 1/m.
+    /// Rates at which the ray lights dim along their rays, 1/m.
     pub(super) fn rates(&self, scene: &Scene) -> Row {
-        Row(self.lights.map(|light| {
+        Row(self.beams.map(|light| {
             light.map_or(0.0, |(beam, medium)| match beam.attenuation {
                 Attenuation::Rate(rate) => rate,
                 Attenuation::Survivors => 0.0,
@@ -66,37 +107,96 @@ impl<'a> Batch<'a> {
             })
         }))
     }
+
+    /// The point lights at distances `s` on the ray lights, chosen with the densities `pdf` (1/m); none where that is zero.
+    #[inline]
+    pub(super) fn place(&mut self, scene: &Scene, s: &Row, pdf: Option<&Row>) {
+        for lane in 0..self.count & 15 {
+            let Some((beam, medium)) = self.beams[lane & 7] else { continue };
+            let (position, flux) = beam.scattered(scene.medium(medium), s.0[lane & 7]);
+            self.lights.put(lane, position, flux);
+            if let Some(pdf) = pdf {
+                let pdf = pdf.0[lane & 7];
+                self.weight.0[lane & 7] *= if pdf > 0.0 { 1.0 / pdf } else { 0.0 };
+            }
+        }
+    }
 }
 
 impl VirtualLights {
-    /// Tells `connect` of all ray lights that a query visits and `counts` lets in, batch by batch.
+    /// Tells `connect` of all point lights that a query visits and `counts` lets in, batch by batch, each for so many samples.
+    #[inline(always)]
+    pub(super) fn visit_points(
+        &self,
+        (lights, samples): (u32, u32),
+        sampler: &mut Sampler,
+        counts: impl Fn(u32) -> bool,
+        mut connect: impl FnMut(&mut Batch, &mut Sampler),
+    ) {
+        let mut batch = Batch::new();
+        let shift = sampler.rng().f32();
+        let step = 1.0 / samples as f32;
+        self.points.visit(lights, shift, |i, weight| {
+            let light = &self.lights[i];
+            if !counts(light.scatterings) {
+                return;
+            }
+            if batch.refuses(light.manner()) {
+                connect(&mut batch, sampler);
+                batch.count = 0;
+            }
+            let source = Source::Vertex(&self.paths.vertices[light.vertex()]);
+            let shift = sampler.rng().f32();
+            for sample in 0..samples {
+                batch.push(&light.junction, source, weight * step, [(sample as f32 + shift) * step, 0.0]);
+                if batch.count == WIDTH {
+                    connect(&mut batch, sampler);
+                    batch.count = 0;
+                }
+            }
+        });
+        if batch.count > 0 {
+            connect(&mut batch, sampler);
+        }
+    }
+
+    /// The same of ray lights.
     #[inline(always)]
     pub(super) fn visit_rays(
         &self,
+        scene: &Scene,
         lights: u32,
         sampler: &mut Sampler,
         counts: impl Fn(u32) -> bool,
-        mut connect: impl FnMut(&Batch, &mut Sampler),
+        mut connect: impl FnMut(&mut Batch, &mut Sampler),
     ) {
         let mut batch = Batch::new();
         let shift = sampler.rng().f32();
         let samples = self.options.samples;
         let step = 1.0 / samples as f32;
         self.rays.visit(lights, shift, |i, weight| {
-            let light = &self.paths.beams[i];
-            let Some(medium) = light.tag.medium().filter(|_| counts(light.tag.scatterings())) else { return };
+            let beam = &self.paths.beams[i];
+            let Some(medium) = beam.tag.medium().filter(|_| counts(beam.tag.scatterings())) else { return };
+            let light = Junction::in_medium(scene, medium, beam.origin, beam.direction, Spectrum::ZERO);
+            if batch.refuses(light.manner) {
+                connect(&mut batch, sampler);
+                batch.count = 0;
+            }
+            let source = Source::Phase(scene.medium(medium).phase());
             let shift = sampler.rng().f32();
             for sample in 0..samples {
                 let u = [(sample as f32 + shift) * step, sampler.rng().f32()];
-                batch.push(light, medium, weight * step, u);
+                let lane = batch.push(&light, source, weight * step, u);
+                batch.rays.set(lane, &beam.ray(), beam.length);
+                batch.beams[lane] = Some((beam, medium));
                 if batch.count == WIDTH {
-                    connect(&batch, sampler);
+                    connect(&mut batch, sampler);
                     batch.count = 0;
                 }
             }
         });
         if batch.count > 0 {
-            connect(&batch, sampler);
+            connect(&mut batch, sampler);
         }
     }
 }

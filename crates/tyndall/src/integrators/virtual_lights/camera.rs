@@ -1,13 +1,13 @@
 //! The camera's walk, connected with lights.
 
 use super::batch::Batch;
-use super::{VirtualLights, lit, wanted};
+use super::{Options, VirtualLights, wanted};
 use crate::Spectrum;
-use crate::estimators::connect::Way;
-use crate::estimators::equiangular::Equiangular;
+use crate::estimators::edges::{Edges, Junction, Junctions, Source};
+use crate::estimators::ray_pair::EightRays;
 use crate::estimators::turns::{Distances, PairTurns, Pairs, Phases};
-use crate::math::lanes::Level;
-use crate::math::{Ray, Sampler, Vec2};
+use crate::math::lanes::{Level, Row, WIDTH};
+use crate::math::{Ray, Sampler, Vec2, Vec3};
 use crate::scene::Scene;
 use crate::walk::{FromCamera, Onward, Profile, Scattering, Segment, Sink, Start, Vertex, walk};
 use std::cell::Cell;
@@ -54,19 +54,19 @@ impl<'a> Seeker<'a> {
         Self { lights, scene, profile, connections, radiance: Spectrum::ZERO }
     }
 
-    /// Light from `light` that scatters at `camera`, times the number of light paths.
+    /// Light of the batch that is scattered at `camera`, times the number of light paths.
     #[inline]
-    fn join(&self, light: &Vertex, camera: &Vertex, sampler: &mut Sampler) -> Spectrum {
+    fn connect(&self, batch: &Batch, camera: &Junctions, sampler: &mut Sampler) -> Spectrum {
         let radius = self.lights.radius;
-        let way = match radius > 0.0 {
-            true => {
-                let u = Vec2::new(sampler.rng().f32(), sampler.rng().f32());
-                Way::from_ball(light.position, camera.position, radius, u)
-            }
-            false => Way::new(light.position, camera.position),
-        };
-        self.connections.set(self.connections.get() + 1);
-        lit(self.scene, way, light, camera, self.lights.options.clamp, sampler.rng())
+        let mut u = [Row([0.0; WIDTH]); 2];
+        if radius > 0.0 {
+            let rng = sampler.rng();
+            (0..batch.count & 15).for_each(|lane| u.iter_mut().for_each(|row| row.0[lane & 7] = rng.f32()));
+        }
+        self.connections.set(self.connections.get() + batch.count as u64);
+        let Batch { lights, count, weight, .. } = batch;
+        let clamp = self.lights.options.clamp;
+        Edges { light: lights, camera, radius, u: &u, clamp, count: *count, weight }.radiance(self.scene, sampler.rng())
     }
 
     /// Whether light scattered `scatterings` times may scatter at a light and at a camera's vertex with that many before.
@@ -85,57 +85,67 @@ pub(super) struct Stretch<'a> {
 }
 
 impl Stretch<'_> {
-    /// The vertex at distance `t` (metres), if it was chosen with density `pdf` (1/m); `profile` is that of the ray.
+    /// The point at distance `t` (metres) and the throughput on arrival there, if it was chosen with density `pdf` (1/m);
+    /// `profile` is that of the ray.
+    #[inline(always)]
+    fn at(&self, scene: &Scene, profile: &Profile, t: f32, pdf: f32) -> (Vec3, Spectrum) {
+        let medium = scene.medium(self.segment.medium);
+        let position = self.ray.at(t);
+        let sigma_s = medium.sigma_s(position) * medium.phase().extinction_factor(position, self.ray.direction);
+        (position, self.segment.throughput * profile.at(t) * sigma_s / pdf)
+    }
+
+    /// The vertex there.
     #[inline]
     pub(super) fn vertex(&self, scene: &Scene, profile: &Profile, t: f32, pdf: f32) -> Vertex {
-        let Segment { medium, scatterings, leg, throughput, .. } = *self.segment;
-        let direction = self.ray.direction;
-        let position = self.ray.at(t);
-        let inside = scene.medium(medium);
-        let sigma_s = inside.sigma_s(position) * inside.phase().extinction_factor(position, direction);
-        let throughput = throughput * profile.at(t) * sigma_s / pdf;
-        Vertex { position, direction, throughput, scatterings, leg, scattering: Scattering::Medium { medium } }
+        let Segment { medium, scatterings, leg, .. } = *self.segment;
+        let (position, throughput) = self.at(scene, profile, t, pdf);
+        let scattering = Scattering::Medium { medium };
+        Vertex { position, direction: self.ray.direction, throughput, scatterings, leg, scattering }
+    }
+
+    /// Eight junctions on the stretch, to be placed.
+    fn junctions<'s>(&self, scene: &'s Scene) -> Junctions<'s> {
+        let medium = self.segment.medium;
+        let Ray { origin, direction } = self.ray;
+        let junction = Junction::in_medium(scene, medium, origin, direction, Spectrum::ZERO);
+        Junctions::all(&junction, Source::Phase(scene.medium(medium).phase()))
     }
 }
 
 impl Seeker<'_> {
-    /// The vertex at distance `t` of the stretch, if it was chosen with density `pdf` (1/m).
+    /// Puts the junctions at distances `t` of the stretch, chosen with densities `pdf` (1/m).
     #[inline]
-    fn vertex_at(&self, stretch: &Stretch, t: f32, pdf: f32) -> Vertex {
-        stretch.vertex(self.scene, self.profile, t, pdf)
-    }
-
-    /// Light of a point, scattered on the stretch.
-    #[inline]
-    fn point_to_stretch(&self, light: &Vertex, stretch: &Stretch, sampler: &mut Sampler) -> Spectrum {
-        let distances = Equiangular::softened(&stretch.ray, stretch.length, light.position, self.lights.radius);
-        self.stratified(sampler, |u, samples, sampler| {
-            let t = distances.sample(u).min(stretch.length);
-            self.join(light, &self.vertex_at(stretch, t, distances.density(t).0 * samples), sampler)
-        })
-    }
-
-    /// The sum over the samples of a pair: `add` is told the next of equal steps in [0, 1) and the number of samples.
-    #[inline(always)]
-    fn stratified(&self, sampler: &mut Sampler, add: impl Fn(f32, f32, &mut Sampler) -> Spectrum) -> Spectrum {
-        let samples = self.lights.options.samples;
-        let shift = sampler.rng().f32();
-        let step = 1.0 / samples as f32;
-        (0..samples).map(|i| add((i as f32 + shift) * step, samples as f32, sampler)).sum()
+    fn place(&self, stretch: &Stretch, camera: &mut Junctions, t: &Row, pdf: &Row) {
+        for lane in 0..WIDTH {
+            let (t, pdf) = (t.0[lane], pdf.0[lane]);
+            let (position, throughput) = match pdf > 0.0 {
+                true => stretch.at(self.scene, self.profile, t, pdf),
+                false => (stretch.ray.origin, Spectrum::ZERO),
+            };
+            camera.put(lane, position, throughput);
+        }
     }
 
     /// Light of rays, scattered on the stretch.
     #[inline]
-    fn rays_to_stretch(&self, batch: &Batch, stretch: &Stretch, sampler: &mut Sampler) -> Spectrum {
+    fn rays_to_stretch(
+        &self,
+        batch: &mut Batch,
+        stretch: &Stretch,
+        camera: &mut Junctions,
+        sampler: &mut Sampler,
+    ) -> Spectrum {
         let sigma_t = self.profile.uniform().map_or(0.0, |uniform| uniform.sigma_t.min_channel());
         let here = stretch.segment.medium;
         let depth = sigma_t * stretch.length;
-        let turns = batch.media().any(|medium| self.lights.turns_matter([medium, here], depth)).then(|| PairTurns {
-            on_camera: Phases::Same(self.scene.medium(here).phase()),
-            at_light: batch.phases(self.scene),
-            rates: batch.rates(self.scene),
-            sigma_t,
-        });
+        let turns =
+            batch.beams().any(|(_, medium)| self.lights.turns_matter([medium, here], depth)).then(|| PairTurns {
+                on_camera: Phases::Same(self.scene.medium(here).phase()),
+                at_light: batch.phases(self.scene),
+                rates: batch.rates(self.scene),
+                sigma_t,
+            });
         let [s, t, pdf] = Level::dispatch(Pairs {
             camera: stretch.ray,
             length: stretch.length,
@@ -144,55 +154,36 @@ impl Seeker<'_> {
             turns: turns.as_ref(),
             u: &batch.u,
         });
-        let mut sum = Spectrum::ZERO;
-        for (lane, (light, weight)) in batch.lights().enumerate() {
-            if let Some(from) = light.vertex(self.scene, s.0[lane])
-                && pdf.0[lane] > 0.0
-            {
-                sum += self.join(&from, &self.vertex_at(stretch, t.0[lane], pdf.0[lane]), sampler) * weight;
-            }
-        }
-        sum
+        batch.place(self.scene, &s, None);
+        self.place(stretch, camera, &t, &pdf);
+        self.connect(batch, camera, sampler)
     }
 
     /// Light of rays, scattered at a vertex.
     #[inline]
-    fn rays_to_vertex(&self, batch: &Batch, camera: &Vertex, sampler: &mut Sampler) -> Spectrum {
-        let matters = batch.media().any(|medium| self.lights.turns_matter([medium; 2], 0.0));
+    fn rays_to_vertex(&self, batch: &mut Batch, camera: &Junctions, sampler: &mut Sampler) -> Spectrum {
+        let matters = batch.beams().any(|(_, medium)| self.lights.turns_matter([medium; 2], 0.0));
         let turns = matters.then(|| (batch.phases(self.scene), batch.rates(self.scene)));
         let [s, pdf] = Level::dispatch(Distances {
-            point: camera.position,
-            lights: &batch.rays,
+            points: &camera.position,
+            rays: &batch.rays,
             radius: self.lights.radius,
             turns: turns.as_ref().map(|(phases, rates)| (phases, rates)),
             u: &batch.u[0],
         });
-        let mut sum = Spectrum::ZERO;
-        for (lane, (light, weight)) in batch.lights().enumerate() {
-            if let Some(from) = light.vertex(self.scene, s.0[lane])
-                && pdf.0[lane] > 0.0
-            {
-                sum += self.join(&from, camera, sampler) * (weight / pdf.0[lane]);
-            }
-        }
-        sum
+        batch.place(self.scene, &s, Some(&pdf));
+        self.connect(batch, camera, sampler)
     }
 
     /// Light of `count` lights of each kind (0: of all), scattered at the camera's vertex, times the number of light paths.
     pub(super) fn gather(&self, vertex: &Vertex, count: u32, sampler: &mut Sampler) -> Spectrum {
         let lights = self.lights;
-        let before = vertex.scatterings;
+        let counts = |scatterings| self.counts(scatterings, vertex.scatterings);
+        let camera = Junctions::all(&Junction::new::<FromCamera>(self.scene, vertex), Source::Vertex(vertex));
         let mut sum = Spectrum::ZERO;
-        let shift = sampler.rng().f32();
-        lights.points.visit(count, shift, |i, weight| {
-            let light = &lights.paths.vertices[i];
-            if self.counts(light.scatterings, before) {
-                sum += self.join(light, vertex, sampler) * weight;
-            }
-        });
-        let counts = |scatterings| self.counts(scatterings, before);
-        lights.visit_rays(count, sampler, counts, |batch, sampler| {
-            sum += self.rays_to_vertex(batch, vertex, sampler);
+        lights.visit_points((count, 1), sampler, counts, |batch, sampler| sum += self.connect(batch, &camera, sampler));
+        lights.visit_rays(self.scene, count, sampler, counts, |batch, sampler| {
+            sum += self.rays_to_vertex(batch, &camera, sampler);
         });
         sum
     }
@@ -208,17 +199,19 @@ impl Sink for Seeker<'_> {
         let Some((ray, length)) = self.profile.trace_segment(self.scene, segment, sampler.rng()) else { return };
         let lights = self.lights;
         let stretch = Stretch { segment, ray, length };
-        let mut sum = Spectrum::ZERO;
-        let shift = sampler.rng().f32();
-        lights.points.visit(lights.options.lights, shift, |i, weight| {
-            let light = &lights.paths.vertices[i];
-            if self.counts(light.scatterings, before) {
-                sum += self.point_to_stretch(light, &stretch, sampler) * weight;
-            }
-        });
+        let mut camera = stretch.junctions(self.scene);
         let counts = |scatterings| self.counts(scatterings, before);
-        lights.visit_rays(lights.options.lights, sampler, counts, |batch, sampler| {
-            sum += self.rays_to_stretch(batch, &stretch, sampler);
+        let Options { lights: number, samples, .. } = lights.options;
+        let mut sum = Spectrum::ZERO;
+        let rays = EightRays::all(&ray, length);
+        lights.visit_points((number, samples), sampler, counts, |batch, sampler| {
+            let (points, radius, u) = (&batch.lights.position, lights.radius, &batch.u[0]);
+            let [t, pdf] = Level::dispatch(Distances { points, rays: &rays, radius, turns: None, u });
+            self.place(&stretch, &mut camera, &t, &pdf);
+            sum += self.connect(batch, &camera, sampler);
+        });
+        lights.visit_rays(self.scene, number, sampler, counts, |batch, sampler| {
+            sum += self.rays_to_stretch(batch, &stretch, &mut camera, sampler);
         });
         self.radiance += sum;
     }

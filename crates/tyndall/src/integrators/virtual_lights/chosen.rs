@@ -5,6 +5,8 @@
 pub(super) struct Choice {
     /// Sums of the weights up to each light.
     cumulative: Vec<f64>,
+    /// The light that each of so many equal steps of the whole sum begins in: where a search begins (Chen and Asau 1974).
+    guide: Vec<u32>,
 }
 
 impl Choice {
@@ -15,6 +17,16 @@ impl Choice {
         self.cumulative.extend(weights.map(|weight| {
             sum += f64::from(weight);
             sum
+        }));
+        self.guide.clear();
+        let all = self.cumulative.len();
+        let mut light = 0;
+        self.guide.extend((0..all).map(|i| {
+            let begin = i as f64 * (sum / all as f64);
+            while light + 1 < all && self.cumulative[light] <= begin {
+                light += 1;
+            }
+            light as u32
         }));
     }
 
@@ -34,9 +46,16 @@ impl Choice {
             return;
         }
         let step = total / f64::from(count);
+        let per_step = all as f64 / f64::from(count);
         for i in 0..count {
-            let x = (f64::from(i) + f64::from(u)) * step;
-            let light = self.cumulative.partition_point(|sum| *sum <= x).min(all - 1);
+            let place = f64::from(i) + f64::from(u);
+            let x = place * step;
+            // One step early, whatever the rounding.
+            let guide = ((place * per_step) as usize).saturating_sub(1).min(all - 1);
+            let mut light = self.guide[guide] as usize;
+            while light + 1 < all && self.cumulative[light] <= x {
+                light += 1;
+            }
             let below = if light == 0 { 0.0 } else { self.cumulative[light - 1] };
             visit(light, (step / (self.cumulative[light] - below)) as f32);
         }
@@ -66,5 +85,30 @@ mod tests {
             }
         }
         Choice::default().visit(3, 0.5, |_, _| panic!("there are no lights"));
+    }
+
+    /// The guide leads to the light that a search through all sums finds.
+    #[test]
+    fn the_guide_changes_nothing() {
+        let mut rng = Rng::keyed(2, 0, 0);
+        for all in [1, 2, 7, 100, 1000] {
+            let weights: Vec<f32> = (0..all).map(|_| if rng.f32() < 0.3 { 0.0 } else { rng.f32().powi(8) }).collect();
+            let mut choice = Choice::default();
+            choice.of(weights.iter().copied());
+            let total = choice.cumulative[all - 1];
+            for count in [1_u32, 2, 5, 64] {
+                if count as usize >= all || total == 0.0 {
+                    continue;
+                }
+                let u = rng.f32();
+                let mut i = 0;
+                choice.visit(count, u, |light, _| {
+                    let x = (f64::from(i) + f64::from(u)) * (total / f64::from(count));
+                    assert_eq!(light, choice.cumulative.partition_point(|sum| *sum <= x).min(all - 1));
+                    i += 1;
+                });
+                assert_eq!(i, count);
+            }
+        }
     }
 }

@@ -11,6 +11,7 @@ mod lightcuts;
 mod nearby;
 pub mod registry;
 
+use self::batch::PointLight;
 use self::camera::Seeker;
 use self::chosen::Choice;
 use self::nearby::Nearby;
@@ -26,6 +27,7 @@ use crate::photons::{Extent, LightPaths, TraceError, Tracing, Wanted};
 use crate::scene::Scene;
 use crate::scene::desc::MediumId;
 use crate::walk::{Profile, Rules, Scattering, Vertex};
+use rayon::prelude::*;
 use std::cell::Cell;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -84,6 +86,8 @@ pub(super) struct VirtualLights {
     options: Options,
     path: Volpath,
     paths: LightPaths,
+    /// The vertices as point lights, those of one manner together.
+    lights: Vec<PointLight>,
     /// Which vertices and which beams a query visits.
     points: Choice,
     rays: Choice,
@@ -118,6 +122,7 @@ impl VirtualLights {
             options,
             path: Volpath::new(path),
             paths: LightPaths::default(),
+            lights: Vec::new(),
             points: Choice::default(),
             rays: Choice::default(),
             uneven: Vec::new(),
@@ -192,7 +197,11 @@ impl Integrator for VirtualLights {
             self.uneven.extend(scene.media().iter().map(|medium| medium.phase().contrast() > UNEVEN));
         }
         self.paths.trace(scene, &self.tracing(seed, set))?;
-        self.points.of(self.paths.vertices.iter().map(|v| v.throughput.max_channel()));
+        let vertices = &self.paths.vertices;
+        self.lights.clear();
+        self.lights.par_extend(vertices.par_iter().enumerate().map(|(i, v)| PointLight::new(scene, v, i as u32)));
+        self.lights.sort_by_key(PointLight::manner);
+        self.points.of(self.lights.iter().map(|light| vertices[light.vertex()].throughput.max_channel()));
         self.rays.of(self.paths.beams.iter().map(|beam| beam.flux.unpack().max_channel() * beam.length));
         // The bias is of second order in the radius and the variance bounded: it may shrink fast.
         self.radius = first_radius / (set as f32 + 1.0).sqrt();

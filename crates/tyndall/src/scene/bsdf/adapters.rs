@@ -52,8 +52,8 @@ impl Mask {
     }
 
     pub(super) fn ceiling(&self, bsdfs: &Bsdfs, ctx: &SurfaceContext, wo: Vec3) -> Option<Ceiling> {
-        let Ceiling { value, cosine } = bsdfs.ceiling(self.nested, ctx, wo)?;
-        Some(Ceiling { value: value * self.opacity(&ctx.texture), cosine })
+        let nested = bsdfs.ceiling(self.nested, ctx, wo)?;
+        Some(Ceiling { value: nested.value * self.opacity(&ctx.texture), ..nested })
     }
 
     #[inline]
@@ -172,7 +172,8 @@ impl Blend {
     pub(super) fn ceiling(&self, bsdfs: &Bsdfs, ctx: &SurfaceContext, wo: Vec3) -> Option<Ceiling> {
         let (first, second) = (bsdfs.ceiling(self.first, ctx, wo)?, bsdfs.ceiling(self.second, ctx, wo)?);
         let value = first.value.lerp(second.value, self.weight(&ctx.texture));
-        Some(Ceiling { value, cosine: first.cosine && second.cosine })
+        let (cosine, exact) = (first.cosine && second.cosine, first.exact && second.exact);
+        Some(Ceiling { value, cosine, exact })
     }
 
     #[inline]

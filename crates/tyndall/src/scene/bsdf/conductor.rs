@@ -85,7 +85,7 @@ impl RoughConductor {
         }
         let distribution = self.roughness.at(point);
         let facets = distribution.peak() * distribution.masking(wo, wo) / (4.0 * wo.z);
-        Ceiling { value: self.metal.specular_reflectance.eval(point) * facets, cosine: false }
+        Ceiling { value: self.metal.specular_reflectance.eval(point) * facets, cosine: false, exact: false }
     }
 
     #[inline]

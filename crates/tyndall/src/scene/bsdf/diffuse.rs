@@ -26,7 +26,10 @@ impl Diffuse {
 
     #[inline(always)]
     pub(super) fn ceiling(&self, point: &TexturePoint, wo: Vec3) -> Ceiling {
-        if wo.z > 0.0 { Ceiling::cosine(self.reflectance.eval(point) * FRAC_1_PI) } else { Ceiling::NOTHING }
+        if !(wo.z > 0.0) {
+            return Ceiling::NOTHING;
+        }
+        Ceiling { exact: true, ..Ceiling::cosine(self.reflectance.eval(point) * FRAC_1_PI) }
     }
 
     #[inline(always)]

@@ -116,16 +116,18 @@ pub struct Ceiling {
     pub value: Spectrum,
     /// Whether `value |cos(wi)|` is a bound as well, and nothing goes to the other side of the surface.
     pub cosine: bool,
+    /// Whether that is no bound but the value itself on the side of `wo`.
+    pub exact: bool,
 }
 
 impl Ceiling {
     /// Nothing is scattered.
-    pub const NOTHING: Self = Self { value: Spectrum::ZERO, cosine: true };
+    pub const NOTHING: Self = Self { value: Spectrum::ZERO, cosine: true, exact: true };
 
     /// The bound `value |cos(wi)|`.
     #[inline(always)]
     pub(super) fn cosine(value: Spectrum) -> Self {
-        Self { value, cosine: true }
+        Self { value, cosine: true, exact: false }
     }
 }
 

@@ -192,7 +192,7 @@ impl RoughPlastic {
         }
         let coat = self.distribution.peak() * self.distribution.masking(wo, wo) / (4.0 * wo.z);
         let base = self.base.albedo(point) * (self.transmittance(wo.z) * FRAC_1_PI);
-        Ceiling { value: self.specular_reflectance.eval(point) * coat + base, cosine: false }
+        Ceiling { value: self.specular_reflectance.eval(point) * coat + base, cosine: false, exact: false }
     }
 
     #[inline]

@@ -113,6 +113,16 @@ impl Phase {
         }
     }
 
+    /// The mean cosine of a function of Henyey and Greenstein, 0 of the isotropic one; `None` of any other.
+    #[inline(always)]
+    pub fn henyey_greenstein(&self) -> Option<f32> {
+        match self {
+            Self::Isotropic => Some(0.0),
+            Self::HenyeyGreenstein(model) => Some(model.g()),
+            _ => None,
+        }
+    }
+
     /// Value at the cosine between both directions, 1/sr. Of microflakes, for which more than the cosine counts, a rough mean.
     fn at_cosine(&self, cos: f32) -> f32 {
         match self {

@@ -7,7 +7,7 @@ use super::sample::{Patch, cumulative_areas};
 use super::surface::SurfacePoint;
 use super::tree::{Any, Nearest, Search, Seen, Through, Tree, Want, frobenius};
 use super::{Form, GeometryError, Instance, Problem};
-use crate::math::lanes::Level;
+use crate::math::lanes::{Kernel, Lanes, Level, WIDTH};
 use crate::math::{Aabb, Frame, PerArea, Ray, Vec2, Vec3};
 use crate::scene::desc::ShapeDesc;
 use glam::DVec3;
@@ -178,11 +178,21 @@ impl Geometry {
     /// What a shadow ray meets in (0, t_max): blocked as soon as any opaque surface is found, wherever it is; else the
     /// nearest transparent surface; else nothing.
     pub fn shadow(&self, ray: &Ray, t_max: f32) -> Shadow {
-        match self.search(ray, t_max, Through) {
+        self.shadow_of(&self.search(ray, t_max, Through))
+    }
+
+    #[inline(always)]
+    fn shadow_of(&self, seen: &Seen) -> Shadow {
+        match seen {
             Seen { blocked: true, .. } => Shadow::Blocked,
             Seen { nearest: Some(meeting), .. } => Shadow::Transparent(meeting.hit(self)),
             _ => Shadow::Clear,
         }
+    }
+
+    /// What [`Geometry::shadow`] answers for those of eight rays whose bit is set in `which`; for the others `Blocked`.
+    pub fn shadows(&self, rays: &[Ray; WIDTH], t_max: &[f32; WIDTH], which: u32) -> [Shadow; WIDTH] {
+        Level::dispatch(Shadows { geometry: self, rays, t_max, which })
     }
 
     /// The point where the ray hits.
@@ -229,6 +239,34 @@ impl Geometry {
             epsilon = epsilon * frobenius(instance) + rounding(point.position);
         }
         place(hit, point, None, epsilon)
+    }
+}
+
+/// The shadow rays of [`Geometry::shadows`].
+struct Shadows<'a> {
+    geometry: &'a Geometry,
+    rays: &'a [Ray; WIDTH],
+    t_max: &'a [f32; WIDTH],
+    which: u32,
+}
+
+impl Kernel for Shadows<'_> {
+    type Output = [Shadow; WIDTH];
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> [Shadow; WIDTH] {
+        let (geometry, tree) = (self.geometry, &self.geometry.trees[0]);
+        let mut shadows = [Shadow::Blocked; WIDTH];
+        let mut which = self.which;
+        while which != 0 {
+            let lane = which.trailing_zeros() as usize & 7;
+            which &= which - 1;
+            let (ray, t_max, seen) = (&self.rays[lane], self.t_max[lane], Seen::default());
+            let mut search = Search { geometry, tree, ray, t_max, seen, want: Through, instance: None };
+            (&mut search).run::<L>();
+            shadows[lane] = geometry.shadow_of(&search.seen);
+        }
+        shadows
     }
 }
 

@@ -34,7 +34,7 @@ pub(super) fn light(scene: &Scene, vertex: &Vertex, index: u32) -> Option<Member
     // The shading normal lies on the side of the geometric one.
     let axis = point.normal * 1.0_f32.copysign(from.z);
     let member = match ceiling(scene, point, from) {
-        Ceiling { value, cosine: true } => Member {
+        Ceiling { value, cosine: true, .. } => Member {
             weight: strength(vertex.throughput * value) * (from.z.abs() / cos),
             // Beyond the horizon of one normal the other may see a little.
             floor: bend,
@@ -55,7 +55,7 @@ pub(super) fn point(scene: &Scene, vertex: &Vertex, index: u32) -> Option<Member
     let to = point.shading.to_local(-vertex.direction);
     let axis = point.shading.n * 1.0_f32.copysign(to.z);
     let member = match ceiling(scene, point, to) {
-        Ceiling { value, cosine: true } => Member { weight: strength(vertex.throughput * value), axis, ..member },
+        Ceiling { value, cosine: true, .. } => Member { weight: strength(vertex.throughput * value), axis, ..member },
         Ceiling { value, .. } => Member { peak: PI * value.max_channel(), floor: 1.0, axis, ..member },
     };
     (member.weight > 0.0 && member.peak > 0.0).then_some(member)
@@ -105,6 +105,6 @@ fn ceiling(scene: &Scene, point: &SurfacePoint, direction: Vec3) -> Ceiling {
             .map(|to| scene.bsdfs.eval(bsdf, &context, direction, to, Transport::Radiance).0.max_channel())
             .into_iter()
             .fold(FRAC_1_PI, f32::max);
-        Ceiling { value: Spectrum::grey(MARGIN * guess), cosine: false }
+        Ceiling { value: Spectrum::grey(MARGIN * guess), cosine: false, exact: false }
     })
 }

@@ -104,6 +104,10 @@ fn ceilings_are_above_all_values() {
                     let most = 1.001 * ceiling.value[c] * cos;
                     assert!(value[c] <= most, "{name} {wo} {wi}: {value:?} above {ceiling:?}");
                     assert!(swapped[c] <= most, "{name} {wi} {wo}: {swapped:?} above {ceiling:?}");
+                    assert!(
+                        !ceiling.exact || value[c] >= 0.999 * most,
+                        "{name} {wo} {wi}: {value:?} is not {ceiling:?}"
+                    );
                 }
             }
         }
