@@ -17,7 +17,10 @@ use tyndall::{Rendering, Scene, Settings};
 use tyndall_formats::mitsuba;
 
 const SIZE: u32 = 64;
-const PASSES: u32 = 8;
+/// Lights that a query visits: as usual, and so many that light paths and camera rays take next to nothing.
+const LIGHTS: [i64; 2] = [64, 1024];
+/// Passes with so many.
+const PASSES: [i64; 2] = [8, 1];
 const RAYS: u64 = 1_000_000;
 
 fn scene(name: &str) -> Scene {
@@ -66,13 +69,15 @@ fn shadow_rays(scene: &Scene) -> f64 {
 }
 
 /// Pairs of a light and what it lights.
-fn pairs(scene: &Scene, name: &str) -> f64 {
+fn pairs(scene: &Scene, name: &str, [lights, passes]: [i64; 2]) -> f64 {
     let components = ("components".into(), ParameterValue::Text("multiple+indirect".into()));
-    let integrator = Some(IntegratorDesc { name: name.into(), parameters: [components].into_iter().collect() });
+    let lights = ("lights".into(), ParameterValue::Integer(lights));
+    let parameters = [components, lights].into_iter().collect();
+    let integrator = Some(IntegratorDesc { name: name.into(), parameters });
     let settings = Settings { integrator, threads: Some(1), ..Settings::default() };
     best(|| {
         let mut rendering = Rendering::new(scene, &settings).unwrap_or_else(|e| panic!("{name}: {e}"));
-        rendering.add_passes(PASSES).expect("memory is unlimited");
+        rendering.add_passes(passes as u32).expect("memory is unlimited");
         rendering.counts().connections
     })
 }
@@ -82,7 +87,8 @@ fn main() {
         let scene = scene(name);
         println!("{name}: {:.2} M shadow rays/s alone", shadow_rays(&scene));
         for method in ["vpl", "vsl", "vrl", "vbl"] {
-            println!("    {method} {:6.2} M pairs/s", pairs(&scene, method));
+            let [few, many] = [0, 1].map(|i| pairs(&scene, method, [LIGHTS[i], PASSES[i]]));
+            println!("    {method} {few:6.2} M pairs/s, {many:6.2} with {} lights a query", LIGHTS[1]);
         }
     }
 }

@@ -195,6 +195,13 @@ impl<'a> Junctions<'a> {
         put(&mut self.throughput, lane, throughput.to_rgb());
     }
 
+    /// Positions and throughputs after `t` metres along the directions of arrival through a medium of extinction `sigma_t` (1/m),
+    /// if the distances were chosen with densities `pdf` (1/m); no throughput where that is zero.
+    #[inline]
+    pub fn after(&self, t: &Row, sigma_t: Spectrum, pdf: &Row) -> [[Row; 3]; 2] {
+        Level::dispatch(After { from: self, t, sigma_t, pdf })
+    }
+
     /// How light leaves.
     #[inline(always)]
     pub fn manner(&self) -> Manner {
@@ -244,6 +251,31 @@ impl<'a> Junctions<'a> {
             }
             None => Spectrum::ZERO,
         }
+    }
+}
+
+/// The arguments of [`Junctions::after`].
+struct After<'a> {
+    from: &'a Junctions<'a>,
+    t: &'a Row,
+    sigma_t: Spectrum,
+    pdf: &'a Row,
+}
+
+impl Kernel for After<'_> {
+    type Output = [[Row; 3]; 2];
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> [[Row; 3]; 2] {
+        let (zero, t, pdf) = (L::splat(0.0), L::load(self.t), L::load(self.pdf));
+        let weight = L::splat(1.0).div(pdf).select(zero.lt(pdf), zero);
+        let position = along(load(&self.from.position), t, load(&self.from.axis));
+        let mut throughput = [ZERO; 3];
+        for (c, row) in throughput.iter_mut().enumerate() {
+            let left = exp(t.mul(L::splat(-self.sigma_t[c])));
+            *row = L::load(&self.from.throughput[c]).mul(left).mul(weight).store();
+        }
+        [store(position), throughput]
     }
 }
 
@@ -409,29 +441,43 @@ impl Edges<'_> {
             origin: take(&reaches.origin, lane),
             direction: take(&reaches.direction, lane),
         });
-        let shadows = scene.geometry.shadows(&rays, &reaches.length.0, open);
+        let mut hits = [None; WIDTH];
+        let [clear, transparent] = scene.geometry.shadows(&rays, &reaches.length.0, open, &mut hits);
         let mut sigma_t = [ZERO; 3];
-        for lane in 0..self.count {
-            let factors = if open >> lane & 1 == 1 {
-                let medium = self.light.media[lane & 7][usize::from(reaches.above >> lane & 1 == 0)];
-                let length = reaches.length.0[lane & 7];
-                match clear(scene, &shadows[lane & 7], medium, &rays[lane & 7]) {
-                    Some(rate) => {
+        let mut last = None;
+        let mut lanes = clear | transparent;
+        let blocked = !lanes;
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize & 7;
+            lanes &= lanes - 1;
+            let medium = self.light.media[lane][usize::from(reaches.above >> lane & 1 == 0)];
+            let shadow = match hits[lane] {
+                Some(hit) => Shadow::Transparent(hit),
+                None => {
+                    let Some(id) = medium else { continue };
+                    let inside = scene.medium(id);
+                    if let Extinction::Homogeneous(model) = inside.kind() {
+                        // Most edges are in the medium of the one before.
+                        let rate = match last {
+                            Some((same, rate)) if same == id => rate,
+                            _ => Uniform::along(model, inside.phase(), &rays[lane]).sigma_t,
+                        };
+                        last = (!inside.phase().is_anisotropic_medium()).then_some((id, rate));
                         put(&mut sigma_t, lane, rate.to_rgb());
                         continue;
                     }
-                    None => passage_from(scene, shadows[lane & 7], rays[lane & 7], length, medium, rng)
-                        .map_or(Spectrum::ZERO, |passage| {
-                            passage.transmittance * Spectrum::from_rgb(take(&factor, lane).to_array())
-                        }),
+                    Shadow::Clear
                 }
-            } else {
-                Spectrum::ZERO
             };
-            put(&mut factor, lane, factors.to_rgb());
+            let passage = passage_from(scene, shadow, rays[lane], reaches.length.0[lane], medium, rng);
+            let transmittance = passage.map_or(Spectrum::ZERO, |passage| passage.transmittance);
+            let turns = Spectrum::from_rgb(take(&factor, lane).to_array());
+            put(&mut factor, lane, (turns * transmittance).to_rgb());
         }
         for row in &mut factor {
-            row.0[self.count..].fill(0.0);
+            for (lane, factor) in row.0.iter_mut().enumerate() {
+                *factor = if blocked >> lane & 1 == 1 { 0.0 } else { *factor };
+            }
         }
         let arrivals = Arrivals {
             edges: self,
@@ -453,19 +499,5 @@ impl Edges<'_> {
             turns *= self.light.turned::<FromLight>(scene, lane, turning);
         }
         turns
-    }
-}
-
-/// Extinction on the way of a shadow ray that meets nothing and stays in no medium or a homogeneous one, 1/m.
-#[inline(always)]
-fn clear(scene: &Scene, shadow: &Shadow, medium: Option<MediumId>, ray: &Ray) -> Option<Spectrum> {
-    if *shadow != Shadow::Clear {
-        return None;
-    }
-    let Some(id) = medium else { return Some(Spectrum::ZERO) };
-    let medium = scene.medium(id);
-    match medium.kind() {
-        Extinction::Homogeneous(model) => Some(Uniform::along(model, medium.phase(), ray).sigma_t),
-        Extinction::Heterogeneous(_) => None,
     }
 }

@@ -36,6 +36,37 @@ impl PointLight {
     }
 }
 
+/// A ray light.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RayLight {
+    /// At its start, with the flux scattered per metre if that is the same all along.
+    start: Junction,
+    /// Metres.
+    length: f32,
+    scatterings: u32,
+    medium: MediumId,
+    even: bool,
+    /// The beam of the light paths.
+    beam: u32,
+}
+
+impl RayLight {
+    /// `None` outside of media.
+    pub(super) fn new(scene: &Scene, beam: &Beam, index: u32) -> Option<Self> {
+        let medium = beam.tag.medium()?;
+        let even = beam.attenuation == Attenuation::Rate(0.0);
+        let even = scene.medium(medium).constants().filter(|_| even);
+        let flux = even.map_or(Spectrum::ZERO, |[_, sigma_s]| beam.flux.unpack() * sigma_s);
+        let start = Junction::in_medium(scene, medium, beam.origin, beam.direction, flux);
+        let scatterings = beam.tag.scatterings();
+        Some(Self { start, length: beam.length, scatterings, medium, even: even.is_some(), beam: index })
+    }
+
+    pub(super) fn beam(&self) -> usize {
+        self.beam as usize
+    }
+}
+
 /// Up to eight lights of one manner, each for one sample of its pair.
 pub(super) struct Batch<'a> {
     /// Point lights; of rays the points are still to be chosen.
@@ -43,6 +74,8 @@ pub(super) struct Batch<'a> {
     /// Ray lights.
     pub(super) rays: EightRays,
     beams: [Option<(&'a Beam, MediumId)>; WIDTH],
+    /// Whether the flux is the same all along each ray light.
+    even: bool,
     /// Random numbers, stratified and not.
     pub(super) u: [Row; 2],
     /// How many lights there are.
@@ -58,6 +91,7 @@ impl<'a> Batch<'a> {
             lights: Junctions::none(),
             rays: EightRays::default(),
             beams: [None; WIDTH],
+            even: true,
             u: [zero; 2],
             count: 0,
             weight: zero,
@@ -108,18 +142,23 @@ impl<'a> Batch<'a> {
         }))
     }
 
-    /// The point lights at distances `s` on the ray lights, chosen with the densities `pdf` (1/m); none where that is zero.
+    /// Makes point lights of the ray lights, at distances `s` that were chosen with densities `pdf` (1/m).
     #[inline]
-    pub(super) fn place(&mut self, scene: &Scene, s: &Row, pdf: Option<&Row>) {
+    pub(super) fn place(&mut self, scene: &Scene, s: &Row, pdf: &Row) {
+        if self.even {
+            [self.lights.position, self.lights.throughput] = self.lights.after(s, Spectrum::ZERO, pdf);
+            return;
+        }
         for lane in 0..self.count & 15 {
             let Some((beam, medium)) = self.beams[lane & 7] else { continue };
-            let (position, flux) = beam.scattered(scene.medium(medium), s.0[lane & 7]);
-            self.lights.put(lane, position, flux);
-            if let Some(pdf) = pdf {
-                let pdf = pdf.0[lane & 7];
-                self.weight.0[lane & 7] *= if pdf > 0.0 { 1.0 / pdf } else { 0.0 };
-            }
+            let (s, pdf) = (s.0[lane & 7], pdf.0[lane & 7]);
+            let (position, flux) = beam.scattered(scene.medium(medium), s);
+            self.lights.put(lane, position, if pdf > 0.0 { flux / pdf } else { Spectrum::ZERO });
         }
+    }
+
+    fn clear(&mut self) {
+        (self.count, self.even) = (0, true);
     }
 }
 
@@ -143,7 +182,7 @@ impl VirtualLights {
             }
             if batch.refuses(light.manner()) {
                 connect(&mut batch, sampler);
-                batch.count = 0;
+                batch.clear();
             }
             let source = Source::Vertex(&self.paths.vertices[light.vertex()]);
             let shift = sampler.rng().f32();
@@ -151,7 +190,7 @@ impl VirtualLights {
                 batch.push(&light.junction, source, weight * step, [(sample as f32 + shift) * step, 0.0]);
                 if batch.count == WIDTH {
                     connect(&mut batch, sampler);
-                    batch.count = 0;
+                    batch.clear();
                 }
             }
         });
@@ -175,23 +214,26 @@ impl VirtualLights {
         let samples = self.options.samples;
         let step = 1.0 / samples as f32;
         self.rays.visit(lights, shift, |i, weight| {
-            let beam = &self.paths.beams[i];
-            let Some(medium) = beam.tag.medium().filter(|_| counts(beam.tag.scatterings())) else { return };
-            let light = Junction::in_medium(scene, medium, beam.origin, beam.direction, Spectrum::ZERO);
-            if batch.refuses(light.manner) {
-                connect(&mut batch, sampler);
-                batch.count = 0;
+            let light = &self.ray_lights[i];
+            if !counts(light.scatterings) {
+                return;
             }
+            if batch.refuses(light.start.manner) {
+                connect(&mut batch, sampler);
+                batch.clear();
+            }
+            let (beam, medium) = (&self.paths.beams[light.beam()], light.medium);
             let source = Source::Phase(scene.medium(medium).phase());
             let shift = sampler.rng().f32();
             for sample in 0..samples {
                 let u = [(sample as f32 + shift) * step, sampler.rng().f32()];
-                let lane = batch.push(&light, source, weight * step, u);
-                batch.rays.set(lane, &beam.ray(), beam.length);
+                let lane = batch.push(&light.start, source, weight * step, u);
+                batch.rays.set(lane, &beam.ray(), light.length);
+                batch.even &= light.even;
                 batch.beams[lane] = Some((beam, medium));
                 if batch.count == WIDTH {
                     connect(&mut batch, sampler);
-                    batch.count = 0;
+                    batch.clear();
                 }
             }
         });

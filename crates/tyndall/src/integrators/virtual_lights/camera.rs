@@ -104,19 +104,25 @@ impl Stretch<'_> {
         Vertex { position, direction: self.ray.direction, throughput, scatterings, leg, scattering }
     }
 
-    /// Eight junctions on the stretch, to be placed.
-    fn junctions<'s>(&self, scene: &'s Scene) -> Junctions<'s> {
-        let medium = self.segment.medium;
-        let Ray { origin, direction } = self.ray;
-        let junction = Junction::in_medium(scene, medium, origin, direction, Spectrum::ZERO);
-        Junctions::all(&junction, Source::Phase(scene.medium(medium).phase()))
+    /// Eight junctions at its start, with the throughput that is scattered per metre there if that is the same everywhere.
+    fn start<'s>(&self, scene: &'s Scene) -> Junctions<'s> {
+        let Segment { medium: id, throughput, .. } = *self.segment;
+        let medium = scene.medium(id);
+        let throughput = medium.constants().map_or(Spectrum::ZERO, |[_, sigma_s]| throughput * sigma_s);
+        let junction = Junction::in_medium(scene, id, self.ray.origin, self.ray.direction, throughput);
+        Junctions::all(&junction, Source::Phase(medium.phase()))
     }
 }
 
 impl Seeker<'_> {
-    /// Puts the junctions at distances `t` of the stretch, chosen with densities `pdf` (1/m).
+    /// The junctions at distances `t` of the stretch that begins with `start`, chosen with densities `pdf` (1/m).
     #[inline]
-    fn place(&self, stretch: &Stretch, camera: &mut Junctions, t: &Row, pdf: &Row) {
+    fn on_stretch<'s>(&self, stretch: &Stretch, start: &Junctions<'s>, t: &Row, pdf: &Row) -> Junctions<'s> {
+        let mut camera = *start;
+        if let Some([sigma_t, _]) = self.scene.medium(stretch.segment.medium).constants() {
+            [camera.position, camera.throughput] = start.after(t, sigma_t, pdf);
+            return camera;
+        }
         for lane in 0..WIDTH {
             let (t, pdf) = (t.0[lane], pdf.0[lane]);
             let (position, throughput) = match pdf > 0.0 {
@@ -125,6 +131,7 @@ impl Seeker<'_> {
             };
             camera.put(lane, position, throughput);
         }
+        camera
     }
 
     /// Light of rays, scattered on the stretch.
@@ -133,7 +140,7 @@ impl Seeker<'_> {
         &self,
         batch: &mut Batch,
         stretch: &Stretch,
-        camera: &mut Junctions,
+        start: &Junctions,
         sampler: &mut Sampler,
     ) -> Spectrum {
         let sigma_t = self.profile.uniform().map_or(0.0, |uniform| uniform.sigma_t.min_channel());
@@ -154,9 +161,9 @@ impl Seeker<'_> {
             turns: turns.as_ref(),
             u: &batch.u,
         });
-        batch.place(self.scene, &s, None);
-        self.place(stretch, camera, &t, &pdf);
-        self.connect(batch, camera, sampler)
+        // The density of both belongs to the camera's.
+        batch.place(self.scene, &s, &Row([1.0; WIDTH]));
+        self.connect(batch, &self.on_stretch(stretch, start, &t, &pdf), sampler)
     }
 
     /// Light of rays, scattered at a vertex.
@@ -171,7 +178,7 @@ impl Seeker<'_> {
             turns: turns.as_ref().map(|(phases, rates)| (phases, rates)),
             u: &batch.u[0],
         });
-        batch.place(self.scene, &s, Some(&pdf));
+        batch.place(self.scene, &s, &pdf);
         self.connect(batch, camera, sampler)
     }
 
@@ -199,7 +206,7 @@ impl Sink for Seeker<'_> {
         let Some((ray, length)) = self.profile.trace_segment(self.scene, segment, sampler.rng()) else { return };
         let lights = self.lights;
         let stretch = Stretch { segment, ray, length };
-        let mut camera = stretch.junctions(self.scene);
+        let start = stretch.start(self.scene);
         let counts = |scatterings| self.counts(scatterings, before);
         let Options { lights: number, samples, .. } = lights.options;
         let mut sum = Spectrum::ZERO;
@@ -207,11 +214,10 @@ impl Sink for Seeker<'_> {
         lights.visit_points((number, samples), sampler, counts, |batch, sampler| {
             let (points, radius, u) = (&batch.lights.position, lights.radius, &batch.u[0]);
             let [t, pdf] = Level::dispatch(Distances { points, rays: &rays, radius, turns: None, u });
-            self.place(&stretch, &mut camera, &t, &pdf);
-            sum += self.connect(batch, &camera, sampler);
+            sum += self.connect(batch, &self.on_stretch(&stretch, &start, &t, &pdf), sampler);
         });
         lights.visit_rays(self.scene, number, sampler, counts, |batch, sampler| {
-            sum += self.rays_to_stretch(batch, &stretch, &mut camera, sampler);
+            sum += self.rays_to_stretch(batch, &stretch, &start, sampler);
         });
         self.radiance += sum;
     }

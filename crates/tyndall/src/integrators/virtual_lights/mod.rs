@@ -11,7 +11,7 @@ mod lightcuts;
 mod nearby;
 pub mod registry;
 
-use self::batch::PointLight;
+use self::batch::{PointLight, RayLight};
 use self::camera::Seeker;
 use self::chosen::Choice;
 use self::nearby::Nearby;
@@ -23,7 +23,7 @@ use crate::estimators::connect::{Way, transfer};
 use crate::film::Splats;
 use crate::film::pixels::PixelSum;
 use crate::math::Rng;
-use crate::photons::{Extent, LightPaths, TraceError, Tracing, Wanted};
+use crate::photons::{Beam, Extent, LightPaths, TraceError, Tracing, Wanted};
 use crate::scene::Scene;
 use crate::scene::desc::MediumId;
 use crate::walk::{Profile, Rules, Scattering, Vertex};
@@ -88,6 +88,8 @@ pub(super) struct VirtualLights {
     paths: LightPaths,
     /// The vertices as point lights, those of one manner together.
     lights: Vec<PointLight>,
+    /// The beams in media.
+    ray_lights: Vec<RayLight>,
     /// Which vertices and which beams a query visits.
     points: Choice,
     rays: Choice,
@@ -123,6 +125,7 @@ impl VirtualLights {
             path: Volpath::new(path),
             paths: LightPaths::default(),
             lights: Vec::new(),
+            ray_lights: Vec::new(),
             points: Choice::default(),
             rays: Choice::default(),
             uneven: Vec::new(),
@@ -202,7 +205,11 @@ impl Integrator for VirtualLights {
         self.lights.par_extend(vertices.par_iter().enumerate().map(|(i, v)| PointLight::new(scene, v, i as u32)));
         self.lights.sort_by_key(PointLight::manner);
         self.points.of(self.lights.iter().map(|light| vertices[light.vertex()].throughput.max_channel()));
-        self.rays.of(self.paths.beams.iter().map(|beam| beam.flux.unpack().max_channel() * beam.length));
+        let beams = &self.paths.beams;
+        self.ray_lights.clear();
+        self.ray_lights.extend(beams.iter().enumerate().filter_map(|(i, beam)| RayLight::new(scene, beam, i as u32)));
+        let power = |beam: &Beam| beam.flux.unpack().max_channel() * beam.length;
+        self.rays.of(self.ray_lights.iter().map(|light| power(&beams[light.beam()])));
         // The bias is of second order in the radius and the variance bounded: it may shrink fast.
         self.radius = first_radius / (set as f32 + 1.0).sqrt();
         self.counts.light_paths += u64::from(self.options.photons);

@@ -42,6 +42,12 @@ impl Homogeneous {
         self.albedo.at(x)
     }
 
+    /// That share, if it is the same everywhere.
+    #[inline]
+    pub fn constant_albedo(&self) -> Option<Spectrum> {
+        if let Volume::Constant(albedo) = self.albedo { Some(albedo) } else { None }
+    }
+
     /// Whether the extinction has three equal channels.
     #[inline(always)]
     pub fn is_grey(&self) -> bool {

@@ -112,6 +112,14 @@ impl Medium {
         self.sigma_t(x) * self.albedo(x)
     }
 
+    /// Extinction and scattering, 1/m, of a medium that has the same everywhere and in all directions.
+    #[inline]
+    pub fn constants(&self) -> Option<[Spectrum; 2]> {
+        let Extinction::Homogeneous(model) = &self.kind else { return None };
+        let albedo = model.constant_albedo().filter(|_| !self.phase.is_anisotropic_medium())?;
+        Some([model.sigma_t(), model.sigma_t() * albedo])
+    }
+
     /// Whether the extinction has three equal channels everywhere.
     #[inline]
     pub fn is_grey(&self) -> bool {

@@ -178,21 +178,23 @@ impl Geometry {
     /// What a shadow ray meets in (0, t_max): blocked as soon as any opaque surface is found, wherever it is; else the
     /// nearest transparent surface; else nothing.
     pub fn shadow(&self, ray: &Ray, t_max: f32) -> Shadow {
-        self.shadow_of(&self.search(ray, t_max, Through))
-    }
-
-    #[inline(always)]
-    fn shadow_of(&self, seen: &Seen) -> Shadow {
-        match seen {
+        match self.search(ray, t_max, Through) {
             Seen { blocked: true, .. } => Shadow::Blocked,
             Seen { nearest: Some(meeting), .. } => Shadow::Transparent(meeting.hit(self)),
             _ => Shadow::Clear,
         }
     }
 
-    /// What [`Geometry::shadow`] answers for those of eight rays whose bit is set in `which`; for the others `Blocked`.
-    pub fn shadows(&self, rays: &[Ray; WIDTH], t_max: &[f32; WIDTH], which: u32) -> [Shadow; WIDTH] {
-        Level::dispatch(Shadows { geometry: self, rays, t_max, which })
+    /// As [`Geometry::shadow`] for those of eight rays whose bit is set in `which`: the bits of the rays that meet nothing, and of
+    /// those that meet nothing opaque, whose first transparent surfaces are put into `hits`.
+    pub fn shadows(
+        &self,
+        rays: &[Ray; WIDTH],
+        t_max: &[f32; WIDTH],
+        which: u32,
+        hits: &mut [Option<Hit>; WIDTH],
+    ) -> [u32; 2] {
+        Level::dispatch(Shadows { geometry: self, rays, t_max, which, hits })
     }
 
     /// The point where the ray hits.
@@ -248,15 +250,16 @@ struct Shadows<'a> {
     rays: &'a [Ray; WIDTH],
     t_max: &'a [f32; WIDTH],
     which: u32,
+    hits: &'a mut [Option<Hit>; WIDTH],
 }
 
 impl Kernel for Shadows<'_> {
-    type Output = [Shadow; WIDTH];
+    type Output = [u32; 2];
 
     #[inline(always)]
-    fn run<L: Lanes>(self) -> [Shadow; WIDTH] {
+    fn run<L: Lanes>(self) -> [u32; 2] {
         let (geometry, tree) = (self.geometry, &self.geometry.trees[0]);
-        let mut shadows = [Shadow::Blocked; WIDTH];
+        let (mut clear, mut transparent) = (0, 0);
         let mut which = self.which;
         while which != 0 {
             let lane = which.trailing_zeros() as usize & 7;
@@ -264,9 +267,16 @@ impl Kernel for Shadows<'_> {
             let (ray, t_max, seen) = (&self.rays[lane], self.t_max[lane], Seen::default());
             let mut search = Search { geometry, tree, ray, t_max, seen, want: Through, instance: None };
             (&mut search).run::<L>();
-            shadows[lane] = geometry.shadow_of(&search.seen);
+            match search.seen {
+                Seen { blocked: true, .. } => {}
+                Seen { nearest: Some(meeting), .. } => {
+                    self.hits[lane] = Some(meeting.hit(geometry));
+                    transparent |= 1 << lane;
+                }
+                _ => clear |= 1 << lane,
+            }
         }
-        shadows
+        [clear, transparent]
     }
 }
 
