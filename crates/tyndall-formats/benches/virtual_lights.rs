@@ -8,6 +8,7 @@
 use std::hint::black_box;
 use std::path::Path;
 use std::time::Instant;
+use tyndall::math::lanes::WIDTH;
 use tyndall::math::{Ray, Rng};
 use tyndall::photons::{Extent, LightPaths, Tracing, Wanted};
 use tyndall::scene::desc::{IntegratorDesc, ParameterValue};
@@ -41,8 +42,8 @@ fn best(mut run: impl FnMut() -> u64) -> f64 {
     (0..3).map(|_| timed()).fold(0.0, f64::max)
 }
 
-/// Shadow rays between vertices of light paths.
-fn shadow_rays(scene: &Scene) -> f64 {
+/// Shadow rays between vertices of light paths: one by one, and eight a call as pairs send them.
+fn shadow_rays(scene: &Scene) -> [f64; 2] {
     let tracing = Tracing {
         paths: 10_000,
         rules: Rules { max_depth: 10, rr_depth: 0, rr_cap: 1.0, media: Media::Scatter },
@@ -60,12 +61,24 @@ fn shadow_rays(scene: &Scene) -> f64 {
     paths.trace(scene, &tracing).expect("memory is unlimited");
     let mut rng = Rng::keyed(1, 2, 3);
     let mut any = || paths.vertices[rng.bits() as usize % paths.vertices.len()].position;
-    let rays: Vec<_> = (0..RAYS).map(|_| (any(), any())).filter(|(a, b)| a != b).collect();
-    best(|| {
-        let clear = |&&(a, b): &&_| scene.geometry.shadow(&Ray::between(a, b), 0.9999 * a.distance(b)) == Shadow::Clear;
-        black_box(rays.iter().filter(clear).count());
+    let ends = (0..RAYS).map(|_| (any(), any())).filter(|(a, b)| a != b);
+    let (mut rays, lengths): (Vec<_>, Vec<_>) = ends.map(|(a, b)| (Ray::between(a, b), 0.9999 * a.distance(b))).unzip();
+    rays.truncate(rays.len() / WIDTH * WIDTH);
+    let mut clear = [0, 0];
+    let single = best(|| {
+        let is_clear = |&(ray, length): &(&Ray, &f32)| scene.geometry.shadow(ray, *length) == Shadow::Clear;
+        clear[0] = black_box(rays.iter().zip(&lengths).filter(is_clear).count());
         rays.len() as u64
-    })
+    });
+    let eight = best(|| {
+        let count = |(rays, lengths): (&[Ray; WIDTH], &[f32; WIDTH])| {
+            scene.geometry.shadows(rays, lengths, 0xff, &mut [None; WIDTH])[0].count_ones() as usize
+        };
+        clear[1] = black_box(rays.as_chunks().0.iter().zip(lengths.as_chunks().0).map(count).sum());
+        rays.len() as u64
+    });
+    assert_eq!(clear[0], clear[1], "both see the same");
+    [single, eight]
 }
 
 /// Pairs of a light and what it lights.
@@ -85,7 +98,8 @@ fn pairs(scene: &Scene, name: &str, [lights, passes]: [i64; 2]) -> f64 {
 fn main() {
     for name in ["cornell-smoke.xml", "statue-smoke.xml", "fruit-juice.xml", "foggy-street.xml"] {
         let scene = scene(name);
-        println!("{name}: {:.2} M shadow rays/s alone", shadow_rays(&scene));
+        let [single, eight] = shadow_rays(&scene);
+        println!("{name}: {single:.2} M shadow rays/s alone, {eight:.2} in eights");
         for method in ["vpl", "vsl", "vrl", "vbl"] {
             let [few, many] = [0, 1].map(|i| pairs(&scene, method, [LIGHTS[i], PASSES[i]]));
             println!("    {method} {few:6.2} M pairs/s, {many:6.2} with {} lights a query", LIGHTS[1]);
