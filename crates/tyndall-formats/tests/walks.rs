@@ -9,15 +9,22 @@ use tyndall::walk::{Escape, FromLight, Media, Rules, Sink, Start, Vertex, walk};
 use tyndall_testkit::corpus::{Furnace, furnace, furnace_room};
 
 /// Counts.
-#[derive(Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 struct Seen {
     vertices: u32,
     escaped: Option<Spectrum>,
+    /// Where the last vertex was.
+    last: Vec3,
+    nearsighted: bool,
 }
 
 impl Sink for Seen {
-    fn vertex(&mut self, _vertex: &Vertex, _sampler: &mut Sampler) {
+    fn looks_beyond(&self, _leg: u32) -> bool {
+        !self.nearsighted
+    }
+    fn vertex(&mut self, vertex: &Vertex, _sampler: &mut Sampler) {
         self.vertices += 1;
+        self.last = vertex.position;
     }
     fn escape(&mut self, escape: &Escape) {
         self.escaped = Some(escape.throughput);
@@ -37,10 +44,33 @@ fn start(origin: Vec3, direction: Vec3) -> Start {
 fn light_that_slipped_out_of_a_medium_goes_away() {
     let scene = common::scene(&furnace("isotropic", Furnace::default()), true);
     assert!(scene.is_bounded(MediumId(0)));
-    let mut seen = Seen::default();
-    let out = start(Vec3::new(0.0, 1.0 + 1e-6, 0.0), Vec3::Y);
-    walk::<FromLight, _>(&scene, out, &ANALOGUE, &mut Sampler::new(1, 2, 3), &mut seen);
-    assert_eq!((seen.vertices, seen.escaped), (0, Some(Spectrum::ONE)));
+    for nearsighted in [false, true] {
+        for path in 0..100 {
+            let mut seen = Seen { nearsighted, ..Seen::default() };
+            let out = start(Vec3::new(0.0, 1.0 + 1e-6, 0.0), Vec3::Y);
+            walk::<FromLight, _>(&scene, out, &ANALOGUE, &mut Sampler::new(1, 2, path), &mut seen);
+            assert_eq!((seen.vertices, seen.escaped), (0, Some(Spectrum::ONE)));
+        }
+    }
+}
+
+/// Not to look for surfaces beyond the end of a flight spares work and changes nothing.
+#[test]
+fn light_goes_the_same_ways_whether_looked_for_beyond_its_flights_or_not() {
+    let chromatic = Furnace { sigma_t: [3.0, 1.0, 0.5], lens: true, ..Furnace::default() };
+    for case in [furnace("isotropic", Furnace::default()), furnace("chromatic", chromatic), furnace_room(0.5)] {
+        let scene = common::scene(&case, true);
+        for path in 0..2000 {
+            let [far, near] = [false, true].map(|nearsighted| {
+                let mut seen = Seen { nearsighted, ..Seen::default() };
+                let rules = Rules { max_depth: 100, ..ANALOGUE };
+                let inside = start(Vec3::new(0.1, 0.6, 0.3), Vec3::new(0.6, 0.0, 0.8));
+                walk::<FromLight, _>(&scene, inside, &rules, &mut Sampler::new(1, 2, path), &mut seen);
+                Seen { nearsighted: false, ..seen }
+            });
+            assert_eq!(far, near, "path {path}");
+        }
+    }
 }
 
 /// Fog without bounds scatters on: the furnace with a lens has it around the lens, so it may reach anywhere.

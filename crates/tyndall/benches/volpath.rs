@@ -7,7 +7,7 @@ use tyndall::math::{Ray, Rng, Vec2, Vec3};
 use tyndall::scene::desc::*;
 use tyndall::scene::medium::Medium;
 use tyndall::scene::phase::Phase;
-use tyndall::walk::{flight::transmittance, fly};
+use tyndall::walk::flight::{ahead, fly, transmittance};
 use tyndall::{Budget, Rendering, Scene, SceneDesc, Settings, Spectrum, Transform};
 
 /// A box of `[-1, 1]^3` around a grid of soft blobs.
@@ -53,7 +53,8 @@ fn flights(criterion: &mut Criterion) {
         group.bench_function("free flight", |b| {
             b.iter(|| {
                 let u = Vec2::new(rng.f32(), rng.f32());
-                black_box(fly(&medium, &ray, 1.8, Spectrum::ONE, u, &mut rng))
+                let ahead = ahead(&medium, &ray, Spectrum::ONE, u);
+                black_box(fly(&medium, &ray, 1.8, ahead, Spectrum::ONE, u, &mut rng))
             });
         });
         group.bench_function("transmittance", |b| b.iter(|| black_box(transmittance(&medium, &ray, 1.8, &mut rng))));

@@ -105,7 +105,7 @@ fn grow(items: &mut [Item], cluster: Cluster, depth: usize) -> Tree {
         return Tree::Leaf { len: items.len() };
     }
     if items.len() <= FEW && depth < REFINE_DEPTH {
-        return refine(items);
+        return refine(items, depth == 0);
     }
     let mut clusters = vec![Cluster { first: 0, ..cluster }];
     while clusters.len() < WIDTH {
@@ -157,7 +157,7 @@ fn split(items: &mut [Item], cluster: Cluster, depth: usize) -> (Cluster, Cluste
 
 /// The expected cost of visits to a leaf, or to as many packets.
 #[inline(always)]
-pub(super) fn cost(bounds: Aabb, eighths: u64) -> f32 {
+fn cost(bounds: Aabb, eighths: u64) -> f32 {
     bounds.half_area() * eighths.div_ceil(WIDTH as u64) as f32
 }
 

@@ -5,7 +5,7 @@
 //! a ray is the least (Ylitie, Karras and Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed
 //! Wide BVHs").
 
-use super::build::{Item, Tree, cost};
+use super::build::{Item, Tree};
 use crate::math::Aabb;
 use crate::math::lanes::WIDTH;
 
@@ -29,9 +29,43 @@ struct Binary {
     costs: [f32; WIDTH],
 }
 
-/// The best subtree over `items`, up to [`FEW`] of them, which it reorders. Never a leaf.
-pub(super) fn refine(items: &mut [Item]) -> Tree {
-    let root = Binary::new(items);
+/// How likely boxes are met: a ray from outside meets them by their surface, one that starts among them by their volume
+/// as well, which tells whether it starts inside (Steiner's formula).
+#[derive(Clone, Copy)]
+struct Measure {
+    per_volume: f32,
+}
+
+impl Measure {
+    /// For rays that start in `space` and fly as far as it is wide: its volume over half its area.
+    fn within(space: Aabb) -> Self {
+        let per_volume = space.half_area() / volume(space);
+        Self { per_volume: if per_volume.is_finite() { per_volume } else { 0.0 } }
+    }
+
+    #[inline(always)]
+    fn of(self, bounds: Aabb) -> f32 {
+        bounds.half_area() + self.per_volume * volume(bounds)
+    }
+
+    /// The expected cost of visits to a leaf.
+    #[inline(always)]
+    fn packets(self, bounds: Aabb, eighths: u64) -> f32 {
+        self.of(bounds) * eighths.div_ceil(WIDTH as u64) as f32
+    }
+}
+
+#[inline(always)]
+fn volume(bounds: Aabb) -> f32 {
+    bounds.extent().element_product()
+}
+
+/// The best subtree over `items`, up to [`FEW`] of them, which it reorders. Never a leaf. `whole` where there are no
+/// others: then rays start among them.
+pub(super) fn refine(items: &mut [Item], whole: bool) -> Tree {
+    let space = items.iter().fold(Aabb::EMPTY, |b, i| b.union(i.bounds));
+    let measure = if whole { Measure::within(space) } else { Measure { per_volume: 0.0 } };
+    let root = Binary::new(items, measure);
     if !root.leaf {
         return root.wide();
     }
@@ -41,24 +75,24 @@ pub(super) fn refine(items: &mut [Item]) -> Tree {
 }
 
 impl Binary {
-    fn new(items: &mut [Item]) -> Self {
+    fn new(items: &mut [Item], measure: Measure) -> Self {
         let bounds = items.iter().fold(Aabb::EMPTY, |b, i| b.union(i.bounds));
         let len = items.len();
-        let packet = cost(bounds, items.iter().map(|i| u64::from(i.cost)).sum());
+        let packet = measure.packets(bounds, items.iter().map(|i| u64::from(i.cost)).sum());
         let mut node =
             Self { bounds, len, children: None, leaf: true, share: 0, shares: [0; WIDTH], costs: [packet; WIDTH] };
         if len == 1 {
             return node;
         }
-        let middle = halve(items);
+        let middle = halve(items, measure);
         let (left, right) = items.split_at_mut(middle);
-        let children = Box::new([Self::new(left), Self::new(right)]);
+        let children = Box::new([Self::new(left, measure), Self::new(right, measure)]);
         let best = |count: usize| {
             let both = |k: usize| children[0].costs[k - 1] + children[1].costs[count - k - 1];
             (2..count).fold((both(1), 1), |best, k| if both(k) < best.0 { (both(k), k) } else { best })
         };
         let (below, share) = best(WIDTH);
-        let wide = NODE * bounds.half_area() + below;
+        let wide = NODE * measure.of(bounds) + below;
         node.share = share;
         node.leaf = len <= WIDTH && !(wide < packet);
         node.costs[0] = if node.leaf { packet } else { wide };
@@ -97,7 +131,7 @@ impl Binary {
 }
 
 /// Sorts the items so that the cheapest split is after the first few; returns how many.
-fn halve(items: &mut [Item]) -> usize {
+fn halve(items: &mut [Item], measure: Measure) -> usize {
     // Least cost, then nearest to the middle; the place and the axis.
     let mut best = (f32::INFINITY, usize::MAX, items.len() / 2, 2);
     let sort = |items: &mut [Item], axis: usize| {
@@ -110,13 +144,13 @@ fn halve(items: &mut [Item]) -> usize {
         for (item, after) in items.iter().zip(&mut after).skip(1).rev() {
             bounds = bounds.union(item.bounds);
             eighths += item.cost;
-            *after = bounds.half_area() * eighths as f32;
+            *after = measure.of(bounds) * eighths as f32;
         }
         let (mut bounds, mut eighths) = (Aabb::EMPTY, 0);
         for i in 1..items.len() {
             bounds = bounds.union(items[i - 1].bounds);
             eighths += items[i - 1].cost;
-            let cost = bounds.half_area() * eighths as f32 + after[i];
+            let cost = measure.of(bounds) * eighths as f32 + after[i];
             let aside = (2 * i).abs_diff(items.len());
             if (cost, aside) < (best.0, best.1) {
                 best = (cost, aside, i, axis);

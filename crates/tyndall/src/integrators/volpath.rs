@@ -344,8 +344,13 @@ impl Tracer<'_> {
 
 impl Sink for Tracer<'_> {
     #[inline]
+    fn looks_beyond(&self, leg: u32) -> bool {
+        leg < self.options.equiangular_legs
+    }
+
+    #[inline]
     fn segment(&mut self, segment: &Segment, sampler: &mut Sampler) {
-        self.last.survival *= segment.flight.survival;
+        self.last.survival *= segment.flight.survival(self.scene.medium(segment.medium), segment.ray);
         self.flight = None;
         self.equiangular = false;
         if segment.leg >= self.options.equiangular_legs {

@@ -271,8 +271,9 @@ mod avx2 {
     use super::{BIAS, Kernel, Lanes, MANTISSA, MANTISSA_BITS, Mask, ONE, Row};
     use std::arch::x86_64::*;
 
-    /// Runs the kernel with AVX2 lanes, which exist nowhere else: that is what makes their operations sound.
-    #[inline(never)]
+    /// Runs the kernel with AVX2 lanes, which exist nowhere else: that is what makes their operations sound. It is a
+    /// call, unless one kernel runs another.
+    #[inline]
     #[target_feature(enable = "avx2,fma")]
     pub(super) fn run<K: Kernel>(kernel: K) -> K::Output {
         kernel.run::<Avx2>()

@@ -1,6 +1,7 @@
 //! Unit vectors in 32 bits (Meyer et al. 2010, octahedral map).
 
 use super::Vec3;
+use std::hint::select_unpredictable;
 
 const STEPS: f32 = 32767.0;
 
@@ -13,8 +14,10 @@ impl Octahedral {
     #[inline]
     pub fn new(v: Vec3) -> Self {
         let p = v / (v.x.abs() + v.y.abs() + v.z.abs());
-        let (x, y) = if p.z >= 0.0 { (p.x, p.y) } else { fold(p.x, p.y) };
-        let quantise = |c: f32| (c * STEPS).round() as i16 as u16 as u32;
+        // Which half it is, nobody can predict.
+        let (x, y) = select_unpredictable(p.z >= 0.0, (p.x, p.y), fold(p.x, p.y));
+        // As `round`, which is a call on plain machines, but for the last digit before a half.
+        let quantise = |c: f32| (c * STEPS + 0.5_f32.copysign(c)) as i16 as u16 as u32;
         Self(quantise(x) | quantise(y) << 16)
     }
 

@@ -56,6 +56,21 @@ impl Rng {
         xorshifted.rotate_right((old >> 59) as u32)
     }
 
+    /// Numbers in [0, 1), two from each state.
+    #[inline(always)]
+    pub fn fill<const N: usize>(&mut self) -> [f32; N] {
+        let mut numbers = [0.0; N];
+        for pair in numbers.chunks_mut(2) {
+            let bits = hash64(self.state);
+            self.bits();
+            pair[0] = unit_f32(bits as u32);
+            if let Some(second) = pair.get_mut(1) {
+                *second = unit_f32((bits >> 32) as u32);
+            }
+        }
+        numbers
+    }
+
     /// A number in [0, 1).
     #[inline(always)]
     pub fn f32(&mut self) -> f32 {

@@ -3,12 +3,34 @@
 use super::lanes::{Kernel, Lanes, Level};
 use super::random::{Rng, hash64};
 use super::{Vec2, sobol};
+use sobol::BATCH;
 
 /// The legs of a path whose numbers are stratified. Later legs matter less and take cheaper independent numbers.
 const STRATIFIED_LEGS: u32 = 2;
 
 /// Batches of four stratified numbers that each leg may consume.
 const BATCHES_PER_LEG: u32 = 4;
+
+/// Batches of which nearly every path consumes some: two before the first leg and the first two of each stratified leg.
+/// They are computed side by side.
+const FIRST: usize = 6;
+
+/// Their places among all.
+const PLACES: [u64; FIRST] = {
+    let mut places = [0; FIRST];
+    let mut i = 0;
+    while i < FIRST {
+        places[i] = (i / 2) as u64 * BATCHES_PER_LEG as u64 + (i % 2) as u64;
+        i += 1;
+    }
+    places
+};
+
+/// How many numbers come at a time.
+const FILL: usize = 2 * BATCH;
+
+/// Where numbers that come later are.
+const LATER: usize = FIRST * BATCH;
 
 /// The random numbers of one path, keyed by (seed, pass, pixel or light path) and never by thread.
 ///
@@ -20,10 +42,12 @@ pub struct Sampler {
     key: u64,
     /// The index of the sample, its bits reversed.
     reversed: u32,
-    batch: u32,
-    end: u32,
-    used: usize,
-    numbers: [f32; sobol::BATCH],
+    /// Where stratified numbers go on, once those at hand have been consumed.
+    batch: Option<u32>,
+    /// The next one of the numbers at hand, and their end.
+    next: usize,
+    end: usize,
+    numbers: [f32; LATER + FILL],
 }
 
 impl Sampler {
@@ -34,44 +58,48 @@ impl Sampler {
         let rng = Rng::keyed(seed, stream, u64::from(index));
         let key = hash64(seed.wrapping_add(0x9e37_79b9_7f4a_7c15) ^ hash64(stream));
         let reversed = index.reverse_bits();
-        Self { rng, key, reversed, batch: 0, end: 1, used: sobol::BATCH, numbers: [0.0; sobol::BATCH] }
+        let mut numbers = [0.0; LATER + FILL];
+        Level::dispatch(Batches { reversed, key, places: PLACES, numbers: &mut numbers });
+        Self { rng, key, reversed, batch: None, next: 0, end: FILL, numbers }
     }
 
     /// Continues with the dimensions of leg number `leg` (0 = the leg that leaves the sensor or the emitter).
     #[inline]
     pub fn start_leg(&mut self, leg: u32) {
-        self.batch = if leg < STRATIFIED_LEGS { 1 + leg * BATCHES_PER_LEG } else { 0 };
-        self.end = if leg < STRATIFIED_LEGS { self.batch + BATCHES_PER_LEG } else { 0 };
-        self.used = sobol::BATCH;
+        let stratified = leg < STRATIFIED_LEGS;
+        self.batch = stratified.then_some((1 + leg) * BATCHES_PER_LEG + 2);
+        self.next = if stratified { (1 + leg as usize) * FILL } else { LATER + FILL };
+        self.end = if stratified { self.next + FILL } else { LATER + FILL };
     }
 
     /// One number in [0, 1).
     #[inline(always)]
     pub fn f32(&mut self) -> f32 {
-        if self.used == sobol::BATCH {
-            if self.batch >= self.end {
-                return self.rng.f32();
-            }
+        if self.next == self.end {
             self.refill();
         }
-        self.used += 1;
-        self.numbers[self.used - 1]
+        let number = self.numbers[self.next % (LATER + FILL)];
+        self.next += 1;
+        number
     }
 
     #[inline(never)]
     fn refill(&mut self) {
-        let key = self.key.wrapping_add(u64::from(self.batch));
-        self.numbers = Level::dispatch(Batch { reversed: self.reversed, key });
-        self.batch += 1;
-        self.used = 0;
+        match self.batch.take() {
+            Some(batch) => {
+                let (reversed, key) = (self.reversed, self.key.wrapping_add(u64::from(batch)));
+                Level::dispatch(Batches { reversed, key, places: [0, 1], numbers: &mut self.numbers[LATER..] });
+            }
+            None => self.numbers[LATER..].copy_from_slice(&self.rng.fill::<FILL>()),
+        }
+        (self.next, self.end) = (LATER, LATER + FILL);
     }
 
     /// Two numbers in [0, 1), stratified together.
     #[inline(always)]
     pub fn vec2(&mut self) -> Vec2 {
-        if self.used == sobol::BATCH - 1 {
-            self.used = sobol::BATCH;
-        }
+        // Both of one batch.
+        self.next += usize::from(self.next % BATCH == BATCH - 1);
         let x = self.f32();
         Vec2::new(x, self.f32())
     }
@@ -83,18 +111,26 @@ impl Sampler {
     }
 }
 
-/// A batch of numbers: its four integers are computed side by side where the machine can.
-struct Batch {
+/// Batches of numbers: their integers are computed side by side where the machine can.
+struct Batches<'a, const N: usize> {
     reversed: u32,
     key: u64,
+    places: [u64; N],
+    numbers: &'a mut [f32],
 }
 
-impl Kernel for Batch {
-    type Output = [f32; sobol::BATCH];
+impl<const N: usize> Kernel for Batches<'_, N> {
+    type Output = ();
 
     #[inline(always)]
-    fn run<L: Lanes>(self) -> Self::Output {
-        sobol::point(self.reversed, self.key)
+    fn run<L: Lanes>(self) {
+        let (mut digits, mut seeds) = ([[0; BATCH]; N], [[0; BATCH]; N]);
+        for i in 0..N {
+            (digits[i], seeds[i]) = sobol::unscrambled(self.reversed, self.key.wrapping_add(self.places[i]));
+        }
+        for (i, number) in self.numbers[..N * BATCH].iter_mut().enumerate() {
+            *number = sobol::scrambled(digits[i / BATCH][i % BATCH], seeds[i / BATCH][i % BATCH]);
+        }
     }
 }
 

@@ -79,10 +79,23 @@ fn permute(mut x: u32, seed: u32) -> u32 {
 /// Different keys give independently scrambled and shuffled sequences.
 #[inline(always)]
 pub fn point(reversed: u32, key: u64) -> [f32; BATCH] {
+    let (digits, seeds) = unscrambled(reversed, key);
+    std::array::from_fn(|d| scrambled(digits[d], seeds[d]))
+}
+
+/// Reversed digits of the coordinates before scrambling, and a seed for each.
+#[inline(always)]
+pub(super) fn unscrambled(reversed: u32, key: u64) -> ([u32; BATCH], [u32; BATCH]) {
     // One seed for the shuffle and one for each dimension, from different bits of one hash.
     let seeds = hash64(key);
-    let digits = digits(permute(reversed, seeds as u32));
-    std::array::from_fn(|d| unit_f32(permute(digits[d], seeds.rotate_left(13 * (d as u32 + 1)) as u32).reverse_bits()))
+    let turned = [13, 26, 39, 52].map(|bits| seeds.rotate_left(bits) as u32);
+    (digits(permute(reversed, seeds as u32)), turned)
+}
+
+/// A coordinate from its reversed digits.
+#[inline(always)]
+pub(super) fn scrambled(digits: u32, seed: u32) -> f32 {
+    unit_f32(permute(digits, seed).reverse_bits())
 }
 
 /// Reversed digits of the coordinates of a point, before scrambling.
@@ -90,7 +103,11 @@ pub fn point(reversed: u32, key: u64) -> [f32; BATCH] {
 fn digits(reversed: u32) -> [u32; BATCH] {
     let [a, b, c, d] = reversed.to_le_bytes().map(usize::from);
     let [Digits(a), Digits(b), Digits(c), Digits(d)] = [TABLE[0][a], TABLE[1][b], TABLE[2][c], TABLE[3][d]];
-    std::array::from_fn(|i| a[i] ^ b[i] ^ c[i] ^ d[i])
+    let mut sum = [0; BATCH];
+    for i in 0..BATCH {
+        sum[i] = a[i] ^ b[i] ^ c[i] ^ d[i];
+    }
+    sum
 }
 
 #[cfg(test)]

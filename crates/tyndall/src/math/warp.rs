@@ -1,21 +1,21 @@
 //! Warps of the unit square and interval, each with its density.
 
+use super::angle::{sin_cos_near_zero, sin_cos_of_turn};
 use super::{PerSolidAngle, Vec2, Vec3};
-use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI};
+use std::f32::consts::{FRAC_1_PI, FRAC_PI_4, PI};
+use std::hint::select_unpredictable;
 
 /// Uniform on the unit disk (Shirley and Chiu 1997, concentric map). Density 1/pi per area.
 #[inline(always)]
 pub fn square_to_disk(u: Vec2) -> Vec2 {
     let p = 2.0 * u - Vec2::ONE;
-    let (r, phi) = if p.x == 0.0 && p.y == 0.0 {
-        (0.0, 0.0)
-    } else if p.x.abs() > p.y.abs() {
-        (p.x, FRAC_PI_4 * (p.y / p.x))
-    } else {
-        (p.y, FRAC_PI_2 - FRAC_PI_4 * (p.x / p.y))
-    };
-    let (sin, cos) = phi.sin_cos();
-    Vec2::new(r * cos, r * sin)
+    // The angle is counted from the nearer axis.
+    let flat = p.x.abs() > p.y.abs();
+    let (along, across) = select_unpredictable(flat, (p.x, p.y), (p.y, p.x));
+    let ratio = if along == 0.0 { 0.0 } else { across / along };
+    let (sin, cos) = sin_cos_near_zero(FRAC_PI_4 * ratio);
+    let (along, across) = (along * cos, along * sin);
+    select_unpredictable(flat, Vec2::new(along, across), Vec2::new(across, along))
 }
 
 /// Cosine-weighted on the hemisphere about +z. Density [`cosine_hemisphere_pdf`].
@@ -36,7 +36,7 @@ pub fn cosine_hemisphere_pdf(cos: f32) -> PerSolidAngle {
 pub fn square_to_sphere(u: Vec2) -> Vec3 {
     let z = 1.0 - 2.0 * u.x;
     let r = (1.0 - z * z).max(0.0).sqrt();
-    let (sin, cos) = (2.0 * PI * u.y).sin_cos();
+    let (sin, cos) = sin_cos_of_turn(u.y);
     Vec3::new(r * cos, r * sin, z)
 }
 
@@ -45,7 +45,7 @@ pub fn square_to_sphere(u: Vec2) -> Vec3 {
 pub fn square_to_cone(u: Vec2, cos_max: f32) -> Vec3 {
     let z = 1.0 - u.x * (1.0 - cos_max);
     let r = (1.0 - z * z).max(0.0).sqrt();
-    let (sin, cos) = (2.0 * PI * u.y).sin_cos();
+    let (sin, cos) = sin_cos_of_turn(u.y);
     Vec3::new(r * cos, r * sin, z)
 }
 

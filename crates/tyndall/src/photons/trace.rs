@@ -3,6 +3,7 @@
 use super::footprint::Footprint;
 use super::{Attenuation, Beam, BeamTerms, Flux, Origin, Photon, Plane, Tag};
 use crate::Spectrum;
+use crate::math::lanes::{Kernel, Lanes, Level};
 use crate::math::octahedral::Octahedral;
 use crate::math::{Ray, Sampler, Vec3};
 use crate::scene::Scene;
@@ -12,6 +13,7 @@ use crate::walk::{
     Account, Arrival, Effort, FromLight, Onward, Profile, Rules, Scattering, Segment, Sink, Start, Vertex, walk,
 };
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// How long beams are.
@@ -90,6 +92,9 @@ const CHUNK: u32 = 2048;
 /// Bytes that a datum takes in all: as traced twice, its place along the curve, its place in a block.
 const BYTES: [usize; 3] = [120, 650, 400];
 
+/// The memory that data take is looked at before each path and after so many scatterings.
+const MEASURED: u32 = 16;
+
 /// Streams of numbers for light paths; those of pixels have smaller names.
 const STREAM: u64 = 1 << 63;
 
@@ -141,6 +146,7 @@ impl Data {
         self.beam_terms.clear();
     }
 
+    #[inline(always)]
     fn bytes(&self) -> usize {
         (self.points.len() + self.surfaces.len()) * BYTES[0]
             + self.beams.len() * BYTES[1]
@@ -171,9 +177,8 @@ impl LightPaths {
                 return;
             }
             let first = i as u32 * CHUNK;
-            for path in first..first.saturating_add(CHUNK).min(tracing.paths) {
-                trace_path(scene, tracing, path, data);
-            }
+            let paths = first..first.saturating_add(CHUNK).min(tracing.paths);
+            Level::dispatch(Chunk { scene, tracing, paths, data });
             bytes.fetch_add(data.bytes(), Ordering::Relaxed);
         });
         if bytes.into_inner() > tracing.memory {
@@ -208,6 +213,31 @@ fn concatenate<T: Copy>(all: &mut Vec<T>, chunks: &mut [Data], part: impl Fn(&mu
     }
 }
 
+/// Some of the light paths.
+struct Chunk<'a> {
+    scene: &'a Scene,
+    tracing: &'a Tracing<'a>,
+    paths: Range<u32>,
+    data: &'a mut Data,
+}
+
+/// A kernel though nothing here is in lanes: whatever the walk calls is compiled for the machine's instructions, and the
+/// kernels among it need not be entered anew for every ray.
+impl Kernel for Chunk<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        for path in self.paths {
+            if self.data.bytes() > self.tracing.memory {
+                return;
+            }
+            trace_path(self.scene, self.tracing, path, self.data);
+        }
+    }
+}
+
+#[inline(always)]
 fn trace_path(scene: &Scene, tracing: &Tracing, path: u32, data: &mut Data) {
     let mut sampler = Sampler::new(tracing.seed, STREAM | u64::from(tracing.set), path);
     let (u_position, u_direction, choice) = (sampler.vec2(), sampler.vec2(), sampler.f32());
@@ -239,6 +269,7 @@ struct Deposit<'a> {
 
 impl Deposit<'_> {
     /// Brings the footprint up to date.
+    #[inline(always)]
     fn travel_to(&mut self, position: Vec3) {
         if self.tracing.footprints {
             self.footprint.travel(self.anchor.distance(position));
@@ -246,6 +277,7 @@ impl Deposit<'_> {
         }
     }
 
+    #[inline(always)]
     fn photon(&self, vertex: &Vertex, radius: f32, tag: Tag) -> Photon {
         Photon {
             position: vertex.position,
@@ -258,6 +290,12 @@ impl Deposit<'_> {
 }
 
 impl Sink for Deposit<'_> {
+    #[inline(always)]
+    fn looks_beyond(&self, _leg: u32) -> bool {
+        self.tracing.extent == Extent::Long && (self.tracing.wanted.beams || self.tracing.wanted.planes)
+    }
+
+    #[inline(always)]
     fn segment(&mut self, segment: &Segment, sampler: &mut Sampler) {
         let terms = self.account.as_ref().map(|account| BeamTerms::new(account, segment.ray));
         if let Some(account) = &mut self.account {
@@ -290,6 +328,7 @@ impl Sink for Deposit<'_> {
         });
     }
 
+    #[inline(always)]
     fn vertex(&mut self, vertex: &Vertex, _sampler: &mut Sampler) {
         self.travel_to(vertex.position);
         let [in_media, on_surfaces] = self.tracing.wanted.vertices;
@@ -323,6 +362,7 @@ impl Sink for Deposit<'_> {
         }
     }
 
+    #[inline(always)]
     fn scattered(&mut self, vertex: &Vertex, onward: &Onward) -> bool {
         if let Some(account) = &mut self.account {
             account.depart(vertex, onward);
@@ -343,7 +383,8 @@ impl Sink for Deposit<'_> {
             }
         }
         // Beyond, nothing can be kept.
-        vertex.scatterings + 3 <= self.tracing.rules.max_depth && self.data.bytes() <= self.tracing.memory
+        vertex.scatterings + 3 <= self.tracing.rules.max_depth
+            && (vertex.scatterings % MEASURED != MEASURED - 1 || self.data.bytes() <= self.tracing.memory)
     }
 }
 

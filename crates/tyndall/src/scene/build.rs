@@ -8,7 +8,7 @@ use super::sensor::{Sensor, SensorError};
 use super::shape::{Geometry, GeometryError};
 use super::{Attachments, Scene};
 use crate::film::filter::{FilterError, FilterSampler};
-use crate::math::{Ray, Rng, Vec2, Vec3, warp};
+use crate::math::{Aabb, Ray, Rng, Vec2, Vec3, warp};
 use std::sync::Arc;
 
 /// Why a scene cannot be built. Messages name the shape, medium or emitter.
@@ -120,12 +120,12 @@ impl Scene {
             attachments,
             emission_media: Vec::new(),
             bsdfs,
-            bounded: Vec::new(),
+            regions: Vec::new(),
             media,
             lights,
         };
         scene.find_camera_medium(desc);
-        scene.find_bounded_media();
+        scene.find_bounded_media(desc);
         scene.find_emission_media(desc);
         Ok(scene)
     }
@@ -187,15 +187,25 @@ impl Scene {
     }
 
     /// A medium inside of shapes and around none is bounded, unless the camera stands in it where no boundary is around.
-    fn find_bounded_media(&mut self) {
-        let is_bounded = |medium: MediumId| {
+    fn find_bounded_media(&mut self, desc: &SceneDesc) {
+        let region = |medium: MediumId| {
             let inside = |a: &Attachments| a.interior == Some(medium);
             let outside = |a: &Attachments| a.exterior == Some(medium);
-            self.attachments.iter().any(inside)
+            let bounded = self.attachments.iter().any(inside)
                 && !self.attachments.iter().any(outside)
-                && (self.camera_medium != Some(medium) || self.medium_at(self.sensor.position()) == Some(medium))
+                && (self.camera_medium != Some(medium) || self.medium_at(self.sensor.position()) == Some(medium));
+            // Members of shape groups may be anywhere.
+            let shapes = (0..).zip(&self.attachments).filter(|(_, a)| inside(a)).map(|(shape, _)| shape);
+            let bounds = |shape| match shape < desc.shapes.len() {
+                true => self.geometry.form(shape as u32).bounds(),
+                false => self.geometry.bounds(),
+            };
+            let region = shapes.map(bounds).fold(Aabb::EMPTY, Aabb::union);
+            // One side of a room says nothing of the others, which may be opaque.
+            let flat = !(region.extent().min_element() > 0.0);
+            bounded.then(|| if flat { self.geometry.bounds() } else { region })
         };
-        self.bounded = (0..self.media.len()).map(|i| is_bounded(MediumId(i))).collect();
+        self.regions = (0..self.media.len()).map(|i| region(MediumId(i))).collect();
     }
 
     /// Files rarely say that the camera stands in a medium.

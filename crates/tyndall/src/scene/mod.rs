@@ -14,7 +14,7 @@ pub use build::BuildError;
 pub use desc::SceneDesc;
 
 use crate::film::filter::FilterSampler;
-use crate::math::{Vec2, Vec3};
+use crate::math::{Aabb, Vec2, Vec3};
 use bsdf::{Bsdfs, SurfaceContext};
 use desc::{BsdfId, FilmDesc, IntegratorDesc, MediumId, SamplerDesc};
 use emitter::{Emission, Lights};
@@ -45,8 +45,8 @@ pub struct Scene {
     /// The integrator that the scene asks for.
     pub integrator: IntegratorDesc,
     media: Vec<Medium>,
-    /// By medium.
-    bounded: Vec<bool>,
+    /// By medium, the box in which it lies, if it is bounded.
+    regions: Vec<Option<Aabb>>,
     attachments: Vec<Attachments>,
     /// By emitter, the medium in which its light starts; empty without media.
     emission_media: Vec<Option<MediumId>>,
@@ -148,7 +148,13 @@ impl Scene {
     /// Whether the medium ends somewhere in all directions, as far as can be told: then nothing inside of it sees infinity.
     #[inline(always)]
     pub fn is_bounded(&self, medium: MediumId) -> bool {
-        self.bounded[medium.0]
+        self.regions[medium.0].is_some()
+    }
+
+    /// Whether the medium is bounded and lies elsewhere than at `x`.
+    #[inline(always)]
+    pub fn ends_before(&self, medium: MediumId, x: Vec3) -> bool {
+        self.regions[medium.0].is_some_and(|region| !region.contains(x))
     }
 
     /// The medium that all of space is filled with: the camera's, where no shape bounds one.
@@ -169,7 +175,7 @@ impl Scene {
     }
 
     /// Light that leaves an emitter, as [`Lights::sample_emission`] has it, and the medium in which it starts.
-    #[inline]
+    #[inline(always)]
     pub fn sample_emission(&self, choice: f32, u_position: Vec2, u_direction: Vec2) -> Option<Emission> {
         let emission = self.lights.sample_emission(choice, u_position, u_direction)?;
         let medium = self.emission_media.get(emission.emitter.0 as usize).copied().flatten();

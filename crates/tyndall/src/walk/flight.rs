@@ -24,21 +24,52 @@ pub struct Flight {
     pub weight: Spectrum,
     /// Density of the collision's distance where it is known in closed form (homogeneous media).
     pub density: Option<PerLength>,
+}
+
+impl Flight {
     /// Mean over the channels of the transmittance up to the end, when the end was reached through a homogeneous
     /// medium; 1 otherwise. Weights of multiple importance sampling use it, nothing else.
-    pub survival: f32,
+    #[inline]
+    pub fn survival(&self, medium: &Medium, ray: &Ray) -> f32 {
+        match medium.kind() {
+            Extinction::Homogeneous(model) if !self.collided => {
+                Uniform::along(model, medium.phase(), ray).transmittance(self.distance).mean()
+            }
+            _ => 1.0,
+        }
+    }
 }
 
 /// Samples a free flight of at most `length` metres along `ray`, for light of the given `throughput`.
 ///
-/// `u` decides the distance and the hero channel in homogeneous media; `rng` feeds null-collision tracking.
-#[inline]
-pub fn fly(medium: &Medium, ray: &Ray, length: f32, throughput: Spectrum, u: Vec2, rng: &mut Rng) -> Flight {
+/// `u` decides the distance and the hero channel in homogeneous media, where `ahead` is what [`ahead`] says of them;
+/// `rng` feeds null-collision tracking.
+#[inline(always)]
+pub fn fly(
+    medium: &Medium,
+    ray: &Ray,
+    length: f32,
+    ahead: f32,
+    throughput: Spectrum,
+    u: Vec2,
+    rng: &mut Rng,
+) -> Flight {
     match medium.kind() {
         Extinction::Homogeneous(model) => {
-            fly_homogeneous(model, &Uniform::along(model, medium.phase(), ray), ray, length, throughput, u)
+            let uniform = Uniform::along(model, medium.phase(), ray);
+            fly_homogeneous(model, &uniform, ray, length, ahead, throughput, u)
         }
         Extinction::Heterogeneous(model) => fly_heterogeneous(model, medium.phase(), ray, length, throughput, u.y, rng),
+    }
+}
+
+/// How far [`fly`] gets where nothing ends the flight, if that is known without flying: infinitely far in heterogeneous
+/// media.
+#[inline(always)]
+pub fn ahead(medium: &Medium, ray: &Ray, throughput: Spectrum, u: Vec2) -> f32 {
+    match medium.kind() {
+        Extinction::Homogeneous(model) => Uniform::along(model, medium.phase(), ray).distance(throughput, u),
+        Extinction::Heterogeneous(_) => f32::INFINITY,
     }
 }
 
@@ -59,6 +90,13 @@ impl Uniform {
     pub fn along(medium: &Homogeneous, phase: &Phase, ray: &Ray) -> Self {
         let factor = phase.extinction_factor(ray.origin, ray.direction);
         Self { sigma_t: medium.sigma_t() * factor, is_grey: medium.is_grey() }
+    }
+
+    /// Distance of the collision that `u` decides, in the channel that it chooses.
+    #[inline(always)]
+    fn distance(&self, throughput: Spectrum, u: Vec2) -> f32 {
+        let hero = if self.is_grey { 0 } else { choose_channel(hero_probabilities(throughput), u.y) };
+        -(1.0 - u.x).ln() / self.sigma_t[hero]
     }
 
     /// Transmittance of `t` metres.
@@ -140,27 +178,22 @@ fn fly_homogeneous(
     uniform: &Uniform,
     ray: &Ray,
     length: f32,
+    t: f32,
     throughput: Spectrum,
     u: Vec2,
 ) -> Flight {
-    let passed = |weight, survival| Flight { distance: length, collided: false, weight, density: None, survival };
+    let passed = |weight| Flight { distance: length, collided: false, weight, density: None };
     if uniform.is_grey {
-        let sigma_t = uniform.sigma_t[0];
-        let survivor = 1.0 - u.x;
-        let t = -survivor.ln() / sigma_t;
         if t < length {
             return Flight {
                 distance: t,
                 collided: true,
                 weight: medium.albedo(ray.at(t)),
-                density: Some(PerLength(sigma_t * survivor)),
-                survival: 1.0,
+                density: Some(PerLength(uniform.sigma_t[0] * (1.0 - u.x))),
             };
         }
-        return passed(Spectrum::ONE, uniform.transmittance(length)[0]);
+        return passed(Spectrum::ONE);
     }
-    let probabilities = hero_probabilities(throughput);
-    let t = -(1.0 - u.x).ln() / uniform.sigma_t[choose_channel(probabilities, u.y)];
     if t < length {
         let (density, transmittance) = uniform.collision(throughput, t);
         return Flight {
@@ -168,11 +201,10 @@ fn fly_homogeneous(
             collided: true,
             weight: medium.albedo(ray.at(t)) * uniform.sigma_t * transmittance / density.0,
             density: Some(density),
-            survival: 1.0,
         };
     }
     let transmittance = uniform.transmittance(length);
-    passed(transmittance / expectation(probabilities, transmittance), transmittance.mean())
+    passed(transmittance / expectation(hero_probabilities(throughput), transmittance))
 }
 
 /// The stretch of the first `length` metres of `ray` (possibly infinite) on which `medium` scatters noticeably: its start and
@@ -240,7 +272,7 @@ pub(super) fn tentative_collisions(
 
 /// Delta tracking. One majorant serves all channels, so that null collisions weigh the channels against each other by
 /// their null probabilities only.
-#[inline(always)]
+#[inline]
 fn fly_heterogeneous(
     medium: &Heterogeneous,
     phase: &Phase,
@@ -250,7 +282,7 @@ fn fly_heterogeneous(
     u: f32,
     rng: &mut Rng,
 ) -> Flight {
-    let mut flight = Flight { distance: length, collided: false, weight: Spectrum::ONE, density: None, survival: 1.0 };
+    let mut flight = Flight { distance: length, collided: false, weight: Spectrum::ONE, density: None };
     let factor = phase.max_extinction_factor(ray.direction);
     if medium.is_grey() {
         let collide = |t: f32, rate: f32, rng: &mut Rng| {

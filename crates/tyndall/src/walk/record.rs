@@ -11,7 +11,8 @@ use crate::scene::shape::SurfacePoint;
 pub struct Segment<'a> {
     /// The piece starts at the ray's origin.
     pub ray: &'a Ray,
-    /// Distance to the next surface, metres; possibly infinite.
+    /// Distance to the next surface, metres; possibly infinite. Where the flight ends before it and the sink does not
+    /// [look beyond](super::Sink::looks_beyond), any distance beyond the flight's.
     pub length: f32,
     /// The medium.
     pub medium: MediumId,

@@ -8,6 +8,11 @@ pub trait Sink {
     /// A piece of a leg inside a medium. Called after the flight was sampled, before its outcome.
     fn segment(&mut self, _segment: &Segment, _sampler: &mut Sampler) {}
 
+    /// Whether the segments of leg number `leg` must have their whole length, even where the flight ends before it.
+    fn looks_beyond(&self, _leg: u32) -> bool {
+        true
+    }
+
     /// A surface, index-matched or not.
     fn surface(&mut self, _hit: &SurfaceHit) {}
 

@@ -2,7 +2,7 @@
 
 use super::{Escape, Flight, Onward, Scattering, Segment, Sink, SurfaceHit, Vertex, flight, fly};
 use crate::Spectrum;
-use crate::math::{PerSolidAngle, Ray, Sampler, Vec3};
+use crate::math::{PerSolidAngle, Ray, Sampler, Vec2, Vec3};
 use crate::scene::Scene;
 use crate::scene::bsdf::{SurfaceContext, Transport};
 use crate::scene::desc::MediumId;
@@ -90,7 +90,7 @@ pub struct Rules {
 /// nothing else. Russian roulette survives with probability `min(max(throughput) eta^2, rr_cap)`, the throughput counted
 /// in units of the first one and `eta` only for radiance, whose value refraction changes without loss. Beyond [`LONG`]
 /// scatterings it survives with probability [`LONG_CAP`] at most, so that walks end even where nothing absorbs.
-#[inline]
+#[inline(always)]
 pub fn walk<M: Mode, S: Sink>(scene: &Scene, start: Start, rules: &Rules, sampler: &mut Sampler, sink: &mut S) {
     let mut ray = start.ray;
     let mut reach = start.length;
@@ -105,18 +105,31 @@ pub fn walk<M: Mode, S: Sink>(scene: &Scene, start: Start, rules: &Rules, sample
     loop {
         sampler.start_leg(leg);
         let vertex = loop {
-            let hit = scene.geometry.intersect(&ray, reach);
-            let length = hit.as_ref().map_or(reach, |hit| hit.t);
-            if hit.is_none() && reach == f32::INFINITY {
-                // A collision so close to a boundary that it was rounded to the other side has left the medium.
-                medium = medium.filter(|inside| !scene.is_bounded(*inside));
+            // Where a flight through the medium ends is often known before what it meets, and then less is to be met.
+            let (mut u, mut ahead) = (Vec2::ZERO, f32::INFINITY);
+            if !passing && let Some(inside) = medium {
+                u = sampler.vec2();
+                ahead = flight::ahead(scene.medium(inside), &ray, throughput, u);
             }
+            let sought = if sink.looks_beyond(leg) { reach } else { reach.min(ahead) };
+            let mut hit = scene.geometry.intersect(&ray, sought);
+            if hit.is_none()
+                && reach == f32::INFINITY
+                && let Some(inside) = medium
+                && scene.ends_before(inside, ray.at(sought))
+            {
+                // A collision so close to a boundary that it was rounded to the other side has left the medium.
+                if sought < reach {
+                    hit = scene.geometry.intersect(&ray, reach);
+                }
+                medium = medium.filter(|_| hit.is_some());
+            }
+            let length = hit.as_ref().map_or(reach, |hit| hit.t);
             if let Some(inside) = medium {
                 let flight = if passing {
                     attenuate(scene, inside, &ray, length, sampler)
                 } else {
-                    let u = sampler.vec2();
-                    fly(scene.medium(inside), &ray, length, throughput, u, sampler.rng())
+                    fly(scene.medium(inside), &ray, length, ahead, throughput, u, sampler.rng())
                 };
                 let segment = Segment { ray: &ray, length, medium: inside, throughput, scatterings, leg, flight };
                 sink.segment(&segment, sampler);
@@ -160,26 +173,26 @@ pub fn walk<M: Mode, S: Sink>(scene: &Scene, start: Start, rules: &Rules, sample
             sink.vertex(&vertex, sampler);
         }
         let scattered = match &vertex.scattering {
-            Scattering::Medium { .. } if exhausted => None,
+            Scattering::Medium { .. } if exhausted => return,
             Scattering::Medium { medium } => {
                 let phase = scene.medium(*medium).phase();
                 let (direction, pdf) = phase.sample(vertex.position, vertex.direction, sampler.f32(), sampler.vec2());
                 ray = Ray { origin: vertex.position, direction };
-                Some(Scattered { weight: Spectrum::ONE, pdf: Some(pdf), null: false, eta: 1.0 })
+                Scattered { direction, weight: Spectrum::ONE, pdf: Some(pdf), null: false, eta: 1.0 }
             }
             Scattering::Surface { point, medium: arrival } => {
                 let context = scene.surface_context(point);
-                let scattered = scatter_surface::<M>(scene, &context, &vertex, sampler, media);
-                scattered.filter(|(_, s)| !exhausted || s.null).map(|(direction, s)| {
-                    if media {
-                        medium = scene.medium_towards(point, direction, *arrival);
-                    }
-                    ray = Ray { origin: point.leave(direction), direction };
-                    s
-                })
+                let Some(scattered) = scatter_surface::<M>(scene, &context, &vertex, sampler, media) else { return };
+                if exhausted && !scattered.null {
+                    return;
+                }
+                if media {
+                    medium = scene.medium_towards(point, scattered.direction, *arrival);
+                }
+                ray = Ray { origin: point.leave(scattered.direction), direction: scattered.direction };
+                scattered
             }
         };
-        let Some(scattered) = scattered else { return };
         throughput *= scattered.weight;
         if throughput.is_black() {
             return;
@@ -189,7 +202,7 @@ pub fn walk<M: Mode, S: Sink>(scene: &Scene, start: Start, rules: &Rules, sample
         if scattered.null {
             continue;
         }
-        let onward = Onward { direction: ray.direction, pdf: scattered.pdf, eta: scattered.eta };
+        let onward = Onward { direction: scattered.direction, pdf: scattered.pdf, eta: scattered.eta };
         if !sink.scattered(&vertex, &onward) {
             return;
         }
@@ -211,6 +224,7 @@ pub fn walk<M: Mode, S: Sink>(scene: &Scene, start: Start, rules: &Rules, sample
 
 /// The outcome of a scattering event.
 struct Scattered {
+    direction: Vec3,
     weight: Spectrum,
     /// `None` for a delta distribution.
     pdf: Option<PerSolidAngle>,
@@ -223,8 +237,8 @@ struct Scattered {
 /// The flight that passes the medium.
 #[inline]
 fn attenuate(scene: &Scene, medium: MediumId, ray: &Ray, length: f32, sampler: &mut Sampler) -> Flight {
-    let (weight, survival) = flight::transmittance(scene.medium(medium), ray, length, sampler.rng());
-    Flight { distance: length, collided: false, weight, density: None, survival }
+    let (weight, _) = flight::transmittance(scene.medium(medium), ray, length, sampler.rng());
+    Flight { distance: length, collided: false, weight, density: None }
 }
 
 /// Samples the BSDF at a surface vertex.
@@ -235,14 +249,14 @@ fn scatter_surface<M: Mode>(
     vertex: &Vertex,
     sampler: &mut Sampler,
     media: bool,
-) -> Option<(Vec3, Scattered)> {
+) -> Option<Scattered> {
     let Scattering::Surface { point, .. } = &vertex.scattering else { return None };
     let wo = point.shading.to_local(-vertex.direction);
     let (lobe, u) = (sampler.f32(), sampler.vec2());
     let sample = scene.bsdfs.sample(scene.bsdf_of(point.shape), context, wo, M::TRANSPORT, lobe, u)?;
     let null = sample.event.null && media;
     if sample.event.null {
-        return Some((vertex.direction, Scattered { weight: sample.weight, pdf: None, null, eta: 1.0 }));
+        return Some(Scattered { direction: vertex.direction, weight: sample.weight, pdf: None, null, eta: 1.0 });
     }
     let direction = point.shading.to_world(sample.wi);
     let weight = match M::TRANSPORT {
@@ -252,7 +266,7 @@ fn scatter_surface<M: Mode>(
         }
     };
     let pdf = (!sample.event.delta).then_some(sample.pdf);
-    Some((direction, Scattered { weight, pdf, null, eta: sample.event.eta }))
+    Some(Scattered { direction, weight, pdf, null, eta: sample.event.eta })
 }
 
 /// What a BSDF times the cosine of the outgoing direction is multiplied by when light is followed: with shading normals

@@ -62,6 +62,10 @@ impl<R: Recorder, K: FnMut(LightVertex)> Tracer<'_, '_, R, K> {
 }
 
 impl<R: Recorder, K: FnMut(LightVertex)> Sink for Tracer<'_, '_, R, K> {
+    fn looks_beyond(&self, _leg: u32) -> bool {
+        false
+    }
+
     fn segment(&mut self, segment: &Segment, _: &mut Sampler) {
         self.account.pass(segment);
     }

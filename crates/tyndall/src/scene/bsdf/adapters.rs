@@ -73,7 +73,7 @@ pub struct TwoSided {
 impl TwoSided {
     /// The model for light on the side of `wo`, and the factor of z that brings that side to the front.
     #[inline(always)]
-    fn side(&self, wo: Vec3) -> (BsdfId, f32) {
+    pub(super) fn side(&self, wo: Vec3) -> (BsdfId, f32) {
         if wo.z < 0.0 { (self.back, -1.0) } else { (self.front, 1.0) }
     }
 

@@ -74,8 +74,36 @@ pub struct Bsdfs {
 
 impl Bsdfs {
     /// Samples a direction from two random inputs in [0, 1), `u1` for the choice of the lobe. `None`: absorbed.
-    #[inline]
+    ///
+    /// What walks meet most is done here, without a call.
+    #[inline(always)]
     pub fn sample(
+        &self,
+        id: BsdfId,
+        ctx: &SurfaceContext,
+        wo: Vec3,
+        transport: Transport,
+        u1: f32,
+        u2: Vec2,
+    ) -> Option<BsdfSample> {
+        let point = &ctx.texture;
+        let (id, sign) = match &self.models[id.0] {
+            Bsdf::TwoSided(model) => model.side(wo),
+            _ => (id, 1.0),
+        };
+        let wo = Vec3::new(wo.x, wo.y, wo.z * sign);
+        let mut sample = match &self.models[id.0] {
+            Bsdf::Diffuse(model) => model.sample(point, wo, u2),
+            Bsdf::Dielectric(model) => model.sample(point, wo, transport, u1),
+            _ => self.sample_any(id, ctx, wo, transport, u1, u2),
+        }?;
+        sample.wi.z *= sign;
+        Some(sample)
+    }
+
+    /// As [`Self::sample`], for all models.
+    #[inline(never)]
+    fn sample_any(
         &self,
         id: BsdfId,
         ctx: &SurfaceContext,

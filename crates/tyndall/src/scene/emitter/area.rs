@@ -32,7 +32,7 @@ impl Area {
         // A closed convex shape shows a quarter of its area on average (Cauchy), a flat one all of it to the front.
         let shown = if theta_o < FRAC_PI_2 { area } else { 0.25 * area };
         let bound = LightBound {
-            bounds: shapes::bounds(geometry.form(shape)),
+            bounds: geometry.form(shape).bounds(),
             intensity: radiance.mean().mean() * shown,
             axis,
             theta_o,

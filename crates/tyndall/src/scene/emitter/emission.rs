@@ -85,7 +85,7 @@ impl EmissionTable {
     }
 
     /// An emitter chosen with `u`, and the probability of the choice. `None` when there is no light.
-    #[inline]
+    #[inline(always)]
     fn choose(&self, u: f64) -> Option<(EmitterId, f32)> {
         let (_, total) = *self.choices.last()?;
         let index = self.choices.partition_point(|(_, sum)| *sum <= u * total).min(self.choices.len() - 1);
@@ -119,10 +119,21 @@ impl Lights {
 
     /// Light that leaves an emitter: one chosen with `choice` by its power, a point on it and a direction. `None` when
     /// no light leaves there. The medium is not known here.
-    #[inline]
+    #[inline(always)]
     pub fn sample_emission(&self, choice: f32, u_position: Vec2, u_direction: Vec2) -> Option<Emission> {
         let (id, selection) = self.emission.choose(more_bits(choice, u_position.x))?;
         let emission = match &self.emitters()[id.0 as usize] {
+            Emitter::Area(area) => self.leave_area(area, u_position, u_direction)?,
+            other => self.leave_other(other, u_position, u_direction)?,
+        };
+        let flux = emission.flux / selection;
+        (!flux.is_black()).then_some(Emission { emitter: id, selection, flux, ..emission })
+    }
+
+    /// Light that leaves anything but an area light.
+    #[inline(never)]
+    fn leave_other(&self, emitter: &Emitter, u_position: Vec2, u_direction: Vec2) -> Option<Emission> {
+        Some(match emitter {
             Emitter::Area(area) => self.leave_area(area, u_position, u_direction)?,
             Emitter::Point(point) => Emission::from_point(point.position, point.emit(u_direction)),
             Emitter::Spot(spot) => Emission::from_point(spot.position, spot.emit(u_direction)),
@@ -142,13 +153,11 @@ impl Lights {
                 }
                 self.enter(-out, map.radiance(out), density, u_position)
             }
-        };
-        let flux = emission.flux / selection;
-        (!flux.is_black()).then_some(Emission { emitter: id, selection, flux, ..emission })
+        })
     }
 
     /// A point uniform on an area light and a direction by the cosine.
-    #[inline]
+    #[inline(always)]
     fn leave_area(&self, area: &Area, u_position: Vec2, u_direction: Vec2) -> Option<Emission> {
         let (point, position_density) = self.geometry.sample_area(area.shape, u_position)?;
         let local = warp::square_to_cosine_hemisphere(u_direction);

@@ -1,22 +1,11 @@
 //! Emitting shapes: where they are, which way they face, and points on them chosen for a receiver.
 
-use crate::math::{Aabb, PerSolidAngle, Vec2, Vec3};
+use crate::math::{PerSolidAngle, Vec2, Vec3};
 use crate::scene::shape::{AreaPoint, Form, Geometry};
 use std::f32::consts::PI;
 
 /// Added to the half angle of a mesh's cone of normals, radians: covers rounding.
 const SLACK: f32 = 1e-3;
-
-/// Box around a shape; empty for instances, which do not emit.
-pub fn bounds(form: &Form) -> Aabb {
-    match form {
-        Form::Mesh(mesh) => Aabb::from_points(mesh.triangles.iter().flatten().map(|&i| mesh.positions[i as usize])),
-        Form::Sphere(sphere) => sphere.bounds(),
-        Form::Disk(disk) => disk.bounds(),
-        Form::Cylinder(cylinder) => cylinder.bounds(),
-        Form::Instance(_) => Aabb::EMPTY,
-    }
-}
 
 /// Axis and half angle (radians) of a cone around the geometric normals of a shape.
 pub fn normals(form: &Form) -> (Vec3, f32) {

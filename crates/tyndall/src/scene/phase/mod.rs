@@ -16,6 +16,7 @@ pub use henyey_greenstein::HenyeyGreenstein;
 pub use sggx::Sggx;
 pub use tabulated::Tabulated;
 
+use crate::math::angle::sin_cos_of_turn;
 use crate::math::{Frame, PerSolidAngle, Vec2, Vec3};
 use crate::scene::desc::PhaseDesc;
 use crate::scene::medium::VolumeError;
@@ -226,7 +227,7 @@ impl Phase {
 /// The direction at an angle of the given cosine and sine to `axis`, turned about it by `2 pi u`.
 #[inline(always)]
 fn deflect(axis: Vec3, cos: f32, sin: f32, u: f32) -> Vec3 {
-    let (sin_phi, cos_phi) = (std::f32::consts::TAU * u).sin_cos();
+    let (sin_phi, cos_phi) = sin_cos_of_turn(u);
     Frame::from_normal(axis).to_world(Vec3::new(sin * cos_phi, sin * sin_phi, cos))
 }
 

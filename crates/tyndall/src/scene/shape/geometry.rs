@@ -198,7 +198,7 @@ impl Geometry {
     }
 
     /// The point where the ray hits.
-    #[inline]
+    #[inline(always)]
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         match (self.form(hit.shape), hit.instance) {
             (Form::Mesh(mesh), None) => {

@@ -16,6 +16,7 @@ pub use mesh::Mesh;
 pub use sample::{AreaPoint, SphereSample};
 pub use surface::SurfacePoint;
 
+use crate::math::Aabb;
 use glam::{DAffine3, DVec3};
 use quadric::{Cylinder, Disk, Sphere};
 
@@ -32,6 +33,19 @@ pub enum Form {
     Cylinder(Cylinder),
     /// A placed shape group.
     Instance(Instance),
+}
+
+impl Form {
+    /// The box around it; empty for instances.
+    pub fn bounds(&self) -> Aabb {
+        match self {
+            Self::Mesh(mesh) => Aabb::from_points(mesh.triangles.iter().flatten().map(|&i| mesh.positions[i as usize])),
+            Self::Sphere(sphere) => sphere.bounds(),
+            Self::Disk(disk) => disk.bounds(),
+            Self::Cylinder(cylinder) => cylinder.bounds(),
+            Self::Instance(_) => Aabb::EMPTY,
+        }
+    }
 }
 
 /// A placed shape group.

@@ -7,6 +7,7 @@ use crate::math::random::more_bits;
 use crate::math::{PerArea, PerSolidAngle, Vec2, Vec3, warp};
 use glam::DVec3;
 use std::f64::consts::TAU;
+use std::hint::select_unpredictable;
 
 /// A point on an emitting shape: what emission asks for, and no more.
 #[derive(Clone, Copy, Debug)]
@@ -117,7 +118,7 @@ impl Geometry {
 
     /// A point uniform over the area of a shape of the scene, with its density. `None` for instances, for meshes whose
     /// description has no emission, and for those without area.
-    #[inline]
+    #[inline(always)]
     pub fn sample_area(&self, shape: u32, u: Vec2) -> Option<(AreaPoint, PerArea)> {
         let point = match self.form(shape) {
             Form::Mesh(_) => {
@@ -138,7 +139,7 @@ impl Geometry {
 
     /// The start of a ray that leaves an emitting shape at `point`, moved off the surface to the side of the normal like
     /// [`SurfacePoint::leave`](super::SurfacePoint::leave).
-    #[inline]
+    #[inline(always)]
     pub fn leave_emitter(&self, shape: u32, point: &AreaPoint) -> Vec3 {
         let mut position = point.position.as_dvec3();
         if let Form::Mesh(mesh) = self.form(shape) {
@@ -148,7 +149,7 @@ impl Geometry {
     }
 
     /// A triangle of an emitting mesh with probability proportional to its area, and the number that is left of `u`.
-    #[inline]
+    #[inline(always)]
     fn choose_triangle(&self, shape: u32, u: Vec2) -> Option<(u32, Vec2)> {
         let cumulative = &self.shapes[shape as usize].cumulative;
         let total = cumulative.last().copied().filter(|area| *area > 0.0)?;
@@ -156,7 +157,7 @@ impl Geometry {
         let x = if cumulative.len() > 64 { more_bits(u.x, u.y) } else { u.x as f64 };
         let x = x * total;
         let index = cumulative.partition_point(|sum| *sum <= x).min(cumulative.len() - 1);
-        let below = if index == 0 { 0.0 } else { cumulative[index - 1] };
+        let below = select_unpredictable(index == 0, 0.0, cumulative[index.saturating_sub(1)]);
         let rest = ((x - below) / (cumulative[index] - below)).clamp(0.0, 1.0);
         Some((index as u32, Vec2::new(rest as f32, u.y)))
     }
