@@ -14,7 +14,7 @@ fn check(name: &str, set: &[(&str, &str)], case: &Case, truth: [f64; 3], precisi
     if set.iter().all(|(key, _)| *key != "max_depth") {
         set.push(("max_depth", max_depth(case)));
     }
-    let (mean, error) = mean(&scene(case, true), integrator(name, &set), 1 << 17, truth, 0.9 * precision);
+    let (mean, error) = mean(&scene(case, true), integrator(name, &set), 1 << 18, truth, 0.9 * precision);
     for c in 0..3 {
         let (found, truth) = (mean[c], truth[c]);
         let line =

@@ -8,8 +8,8 @@ use tyndall::math::{Ray, Rng, Sampler, Vec3};
 use tyndall::mis::{self, Lit, Meeting, Merging};
 use tyndall::scene::emitter::{EndDensity, LightEnd};
 use tyndall::walk::{
-    Arrival, Edge, Effort, End, FromCamera, FromLight, Leg, LightDensity, Media, Mode, Onward, Rules, Scattering, Sink,
-    Start, Vertex, corner, edge_passage, walk,
+    Arrival, Edge, Effort, End, FromCamera, FromLight, Leg, LightDensity, Media, Mode, Onward, Place, Rules,
+    Scattering, Sink, Start, Vertex, corner, edge_passage, walk,
 };
 
 /// A vertex of a walk, and whether the walk went on by a delta distribution.
@@ -241,10 +241,14 @@ fn density(scene: &Scene) -> LightDensity {
         walk::<FromLight, _>(scene, Start::emitted(&emission), &RULES, &mut sampler, &mut light);
         for Step { vertex, .. } in light.0 {
             let inside = matches!(vertex.scattering, Scattering::Medium { .. });
-            if inside { &mut media } else { &mut surfaces }.push((vertex.position, 0.5 + vertex.position.x.abs()));
+            let (position, sigma_t) = (vertex.position, if inside { 1.0 } else { 0.0 });
+            let place = Place { position, factor: 0.5 + position.x.abs(), sigma_t };
+            if inside { &mut media } else { &mut surfaces }.push(place);
         }
     }
-    LightDensity::new(&media, &surfaces, PATHS)
+    let mut light = LightDensity::new(&media, &surfaces, PATHS);
+    light.widen_in_media(0.2, PATHS);
+    light
 }
 
 /// Random paths over all scenes; answers how many there were.

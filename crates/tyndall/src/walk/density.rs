@@ -17,17 +17,37 @@ const TAKEN_IN: f32 = 8.0;
 /// How many times a radius is widened at most.
 const WIDEST: f32 = 6.0;
 
+/// Where a light path has scattered.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    /// Position, metres.
+    pub position: Vec3,
+    /// Factor that radii have there.
+    pub factor: f32,
+    /// Extinction of the medium, 1/m; zero on surfaces.
+    pub sigma_t: f32,
+}
+
 /// What is known of a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cell {
     /// Scatterings for each light path, 1/m^3 in media and 1/m^2 on surfaces.
     pub density: f32,
-    /// Factor of the radii of what is merged.
-    pub widening: f32,
+    /// Factor of the radii of balls, in which points are merged ...
+    pub ball: f32,
+    /// ... and of disks, across the camera's beams and on surfaces.
+    pub disk: f32,
+    /// Extinction on the mean, 1/m.
+    pub sigma_t: f32,
 }
 
 impl Cell {
-    const UNKNOWN: Self = Self { density: 0.0, widening: 1.0 };
+    const UNKNOWN: Self = Self { density: 0.0, ball: 1.0, disk: 1.0, sigma_t: 0.0 };
+
+    /// Points of so many light paths, 1/m^3 or 1/m^2; never zero.
+    fn points(&self, paths: u32) -> f32 {
+        (self.density * paths as f32).max(f32::MIN_POSITIVE)
+    }
 }
 
 /// Light paths' scatterings, counted in a coarse grid. Where nothing is counted, all merges count.
@@ -53,12 +73,11 @@ impl LightDensity {
     pub const UNKNOWN: Self =
         Self { bounds: Aabb::EMPTY, cells: 0, media: Vec::new(), surfaces: Vec::new(), extent: 0.0 };
 
-    /// Of so many light paths that scattered at these places in media and on surfaces. Each place comes with the factor
-    /// that radii have there.
-    pub fn new(media: &[(Vec3, f32)], surfaces: &[(Vec3, f32)], paths: u32) -> Self {
+    /// Of so many light paths that scattered at these places in media and on surfaces.
+    pub fn new(media: &[Place], surfaces: &[Place], paths: u32) -> Self {
         let all = || media.iter().chain(surfaces);
         let range = |axis: usize| {
-            let mut values: Vec<f32> = all().map(|(x, _)| x[axis]).collect();
+            let mut values: Vec<f32> = all().map(|place| place.position[axis]).collect();
             values.sort_unstable_by(f32::total_cmp);
             let skip = (values.len() as f32 * OUTLIERS) as usize;
             Some((*values.get(skip)?, values[values.len() - 1 - skip]))
@@ -76,14 +95,18 @@ impl LightDensity {
         if !(volume > 0.0 && volume.is_finite()) {
             return Self::UNKNOWN;
         }
-        let count = |places: &[(Vec3, f32)], measure: f32| {
-            let mut sums = vec![(0.0, 0.0); cells * cells * cells];
-            for (i, widening) in places.iter().filter_map(|(x, widening)| Some((density.cell(*x)?, widening))) {
-                sums[i] = (sums[i].0 + 1.0, sums[i].1 + widening);
+        let count = |places: &[Place], measure: f32| {
+            let mut sums = vec![[0.0; 3]; cells * cells * cells];
+            for (i, place) in places.iter().filter_map(|place| Some((density.cell(place.position)?, place))) {
+                let [n, factor, sigma_t] = sums[i];
+                sums[i] = [n + 1.0, factor + place.factor, sigma_t + place.sigma_t];
             }
-            let cell = |(n, widening): (f32, f32)| match n {
+            let cell = |[n, factor, sigma_t]: [f32; 3]| match n {
                 0.0 => Cell::UNKNOWN,
-                _ => Cell { density: n / (measure * paths as f32), widening: widening / n },
+                _ => {
+                    let factor = factor / n;
+                    Cell { density: n / (measure * paths as f32), ball: factor, disk: factor, sigma_t: sigma_t / n }
+                }
             };
             sums.into_iter().map(cell).collect()
         };
@@ -100,15 +123,26 @@ impl LightDensity {
         inside.then_some((k * self.cells + j) * self.cells + i)
     }
 
-    /// Widens the radii in media, `radius` metres before, where a ball would take in less than a few of the points of so many
-    /// light paths.
+    /// Widens the radii in media, `radius` metres before, where a ball would take in less than a few of the points of so many light
+    /// paths, or a disk less on the length of a beam: which is seldom, so that beams see finer structures than points.
     pub fn widen_in_media(&mut self, radius: f32, paths: u32) {
-        widen(&mut self.media, |points| (TAKEN_IN / (points * 4.0 / 3.0 * PI)).cbrt(), radius, paths);
+        let mut media = std::mem::take(&mut self.media);
+        for cell in &mut media {
+            let points = cell.points(paths);
+            let along = self.beam_length(cell.sigma_t);
+            cell.ball = widened(cell.ball, (TAKEN_IN / (points * 4.0 / 3.0 * PI)).cbrt() / radius);
+            cell.disk = widened(cell.disk, (TAKEN_IN / (points * along * PI)).sqrt() / radius);
+        }
+        self.media = media;
     }
 
-    /// The same on surfaces, for disks.
+    /// Widens the radii on surfaces, `radius` metres before, where a disk would take in less than a few of the points of so many
+    /// light paths.
     pub fn widen_on_surfaces(&mut self, radius: f32, paths: u32) {
-        widen(&mut self.surfaces, |points| (TAKEN_IN / (points * PI)).sqrt(), radius, paths);
+        for cell in &mut self.surfaces {
+            let points = cell.points(paths);
+            cell.disk = widened(cell.disk, (TAKEN_IN / (points * PI)).sqrt() / radius);
+        }
     }
 
     #[inline]
@@ -134,11 +168,9 @@ impl LightDensity {
     }
 }
 
-fn widen(cells: &mut [Cell], wide: impl Fn(f32) -> f32, radius: f32, paths: u32) {
-    for cell in cells {
-        let points = (cell.density * paths as f32).max(f32::MIN_POSITIVE);
-        cell.widening *= (wide(points) / (radius * cell.widening)).clamp(1.0, WIDEST);
-    }
+/// The factor of a radius that is to be `wanted`, no smaller than it was.
+fn widened(factor: f32, wanted: f32) -> f32 {
+    factor * (wanted / factor).clamp(1.0, WIDEST)
 }
 
 #[cfg(test)]
@@ -147,11 +179,11 @@ mod tests {
     use crate::math::Rng;
 
     /// Places in a box of 2 x 1 x 1 whose one half has three times as many.
-    fn places(count: u64) -> Vec<(Vec3, f32)> {
+    fn places(count: u64) -> Vec<Place> {
         let place = |i| {
             let mut rng = Rng::keyed(5, 1, i);
             let half = if i % 4 == 0 { 0.0 } else { 1.0 };
-            (Vec3::new(half + rng.f32(), rng.f32(), rng.f32()), 1.0)
+            Place { position: Vec3::new(half + rng.f32(), rng.f32(), rng.f32()), factor: 1.0, sigma_t: 2.0 }
         };
         (0..count).map(place).collect()
     }
@@ -179,7 +211,7 @@ mod tests {
     #[test]
     fn far_places_do_not_spread_the_cells() {
         let mut media = places(10_000);
-        media.extend([(Vec3::splat(1e6), 1.0), (Vec3::splat(-1e6), 1.0)]);
+        media.extend([1e6, -1e6].map(|x| Place { position: Vec3::splat(x), factor: 1.0, sigma_t: 2.0 }));
         let density = LightDensity::new(&media, &media, 100);
         assert!(density.in_medium(Vec3::new(1.5, 0.5, 0.5)).density > 50.0);
         assert!(density.on_surface(Vec3::new(1.5, 0.5, 0.5)).density > 0.0);
@@ -188,13 +220,14 @@ mod tests {
     #[test]
     fn radii_are_those_of_the_places_and_take_in_a_few_points() {
         // Radii grow along x.
-        let surfaces: Vec<_> = places(200_000).into_iter().map(|(x, _)| (x, x.x)).collect();
+        let grown = |place: Place| Place { factor: place.position.x, sigma_t: 0.0, ..place };
+        let surfaces: Vec<_> = places(200_000).into_iter().map(grown).collect();
         let mut density = LightDensity::new(&[], &surfaces, 1000);
         let mean = |density: &LightDensity, x: f32| {
             let at = |i: u64| {
                 let mut rng = Rng::keyed(5, 3, i);
                 let y = Vec3::new(x + 0.1 * rng.f32(), 0.1 + 0.8 * rng.f32(), 0.1 + 0.8 * rng.f32());
-                density.on_surface(y).widening
+                density.on_surface(y).disk
             };
             (0..1000).map(at).sum::<f32>() / 1000.0
         };
@@ -205,12 +238,37 @@ mod tests {
         let before = density.on_surface(Vec3::splat(0.5));
         density.widen_on_surfaces(0.02, 1000);
         let after = density.on_surface(Vec3::splat(0.5));
-        let disk = PI * (0.02 * after.widening).powi(2);
+        let disk = PI * (0.02 * after.disk).powi(2);
         assert!((1000.0 * after.density * disk / TAKEN_IN - 1.0).abs() < 1e-4, "{before:?} {after:?}");
         density.widen_on_surfaces(1e-6, 1000);
         let widest = density.on_surface(Vec3::splat(0.5));
-        assert_eq!(widest.widening, WIDEST * after.widening);
+        assert_eq!(widest.disk, WIDEST * after.disk);
         density.widen_on_surfaces(1.0, 1000);
         assert_eq!(density.on_surface(Vec3::splat(0.5)), widest, "never narrower");
+    }
+
+    #[test]
+    fn balls_and_disks_across_beams_take_in_a_few_points() {
+        const PATHS: u32 = 1000;
+        let widened = |radius: f32, sigma_t: f32| {
+            let media: Vec<_> = places(200_000).into_iter().map(|place| Place { sigma_t, ..place }).collect();
+            let mut density = LightDensity::new(&media, &[], PATHS);
+            density.widen_in_media(radius, PATHS);
+            density.in_medium(Vec3::new(1.5, 0.5, 0.5))
+        };
+        // Some 150 000 points in a cubic metre, beams of half a metre.
+        let Cell { density, ball, disk, .. } = widened(0.005, 2.0);
+        let points = density * PATHS as f32;
+        let in_ball = points * 4.0 / 3.0 * PI * (0.005 * ball).powi(3);
+        assert!((in_ball / TAKEN_IN - 1.0).abs() < 1e-3, "{in_ball} in a ball");
+        let along = points * 0.5 * PI * (0.005 * disk).powi(2);
+        assert!((along / TAKEN_IN - 1.0).abs() < 1e-3, "{along} along a beam");
+        assert!(1.0 < disk && disk < ball, "{disk}, {ball}");
+        // In dense media beams are short.
+        assert!((widened(0.005, 8.0).disk / (2.0 * disk) - 1.0).abs() < 1e-3);
+        let Cell { ball, disk, .. } = widened(1.0, 2.0);
+        assert_eq!((ball, disk), (1.0, 1.0), "no narrower");
+        let Cell { ball, disk, .. } = widened(1e-6, 2.0);
+        assert_eq!((ball, disk), (WIDEST, WIDEST), "no wider");
     }
 }

@@ -14,7 +14,7 @@ pub mod terms;
 pub mod walk;
 
 pub use account::Account;
-pub use density::LightDensity;
+pub use density::{LightDensity, Place};
 pub use edge::Edge;
 pub use flight::{Flight, fly};
 pub use passage::{Passage, edge_passage, passage, passage_from};

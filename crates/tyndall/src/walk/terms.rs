@@ -83,10 +83,9 @@ impl Effort {
     /// What is merged at `x` in `medium`.
     #[inline]
     pub fn in_medium(&self, medium: &Medium, x: Vec3) -> Merges {
-        let Cell { density, widening } = self.light.in_medium(x);
-        let disk = widening * widening;
-        let point_point = self.point_point * disk * widening;
-        let beam_point = self.beam_point * disk;
+        let Cell { density, ball, disk, .. } = self.light.in_medium(x);
+        let point_point = self.point_point * ball * ball * ball;
+        let beam_point = self.beam_point * disk * disk;
         let length = self.light.beam_length(medium.sigma_t(x).mean());
         // Beams meet under all angles, whose mean sine is pi / 4.
         let beams = beam_point + std::f32::consts::FRAC_PI_4 * self.beam_beam * length;
@@ -97,8 +96,8 @@ impl Effort {
     /// What is merged at `x` on a surface wide enough in its scattering.
     #[inline]
     pub fn on_surface(&self, x: Vec3) -> Merges {
-        let Cell { density, widening } = self.light.on_surface(x);
-        let surface = self.surface * widening * widening;
+        let Cell { density, disk, .. } = self.light.on_surface(x);
+        let surface = self.surface * disk * disk;
         let (first, share) = self.shares(density * surface);
         Merges { first, share, surface, ..Merges::NONE }
     }

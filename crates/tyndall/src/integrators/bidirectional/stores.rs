@@ -6,7 +6,7 @@ use crate::integrators::shrinking::Shrinking;
 use crate::math::{Kernel, Vec2, Vec3};
 use crate::photons::{BeamRadius, Beams, Extent, LightPaths, Photon, Points, TraceError, Tracing, Wanted};
 use crate::scene::Scene;
-use crate::walk::{Effort, LightDensity};
+use crate::walk::{Effort, LightDensity, Place};
 use rayon::prelude::*;
 
 /// Light paths traced to find radii and how densely light is scattered.
@@ -120,20 +120,19 @@ impl Set {
             counts.light_paths += u64::from(paths);
             counts.photons += self.points.data() as u64;
             let light = &effort.light;
-            let widen = |photons: &mut [Photon], radius: f32| {
-                photons.par_iter_mut().for_each(|p| p.radius = radius * light.in_medium(p.position).widening);
-            };
             if points && point_point {
-                widen(&mut self.points.points, ball);
+                let photons = self.points.points.par_iter_mut();
+                photons.for_each(|p| p.radius = ball * light.in_medium(p.position).ball);
                 self.for_points.rebuild(&self.points.points);
             }
             if points && beam_point {
-                widen(&mut self.points.points, disk);
+                let photons = self.points.points.par_iter_mut();
+                photons.for_each(|p| p.radius = disk * light.in_medium(p.position).disk);
                 self.for_beams.rebuild(&self.points.points);
             }
             if surface {
                 let photons = self.points.surfaces.par_iter_mut();
-                photons.for_each(|p| p.radius = patch * light.on_surface(p.position).widening);
+                photons.for_each(|p| p.radius = patch * light.on_surface(p.position).disk);
                 self.on_surfaces.rebuild(&self.points.surfaces);
             }
         }
@@ -276,8 +275,12 @@ impl Stores {
             n => n,
         };
         let places = |photons: &[Photon], radii: &[Option<f32>], usual: f32| {
-            let widening = |radius: &Option<f32>| radius.map_or(1.0, |r| (r / usual).clamp(1.0 / LOCAL, LOCAL));
-            photons.iter().zip(radii).map(|(photon, radius)| (photon.position, widening(radius))).collect::<Vec<_>>()
+            let place = |(photon, radius): (&Photon, &Option<f32>)| Place {
+                position: photon.position,
+                factor: radius.map_or(1.0, |r| (r / usual).clamp(1.0 / LOCAL, LOCAL)),
+                sigma_t: photon.tag.medium().map_or(0.0, |id| scene.medium(id).sigma_t(photon.position).mean()),
+            };
+            photons.iter().zip(radii).map(place).collect::<Vec<_>>()
         };
         let (points, surfaces) = (places(points, &local[0], volume), places(surfaces, &local[1], on_surface));
         self.effort.light = LightDensity::new(&points, &surfaces, PILOT_PATHS);
