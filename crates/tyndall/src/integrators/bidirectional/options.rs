@@ -108,7 +108,7 @@ pub(super) mod declared {
         ParameterKind::Float,
         "0",
         "m",
-        "First radius of the blur in media; 0 takes the smaller of a tenth of the mean free path and three pixels, where the light is.",
+        "First radius of the blur in media; 0 takes the smaller of a tenth of the mean free path and two pixels, where the light is.",
     );
     pub(in super::super) const SURFACE_RADIUS: ParameterInfo = parameter(
         "surface_radius",

@@ -20,7 +20,7 @@ const BEYOND_SETS: u32 = 1 << 30;
 /// Automatic radius in media, in mean free paths ...
 const FREE_PATHS: f32 = 0.1;
 /// ... and in sizes of a pixel; the smaller one counts.
-const PIXELS: f32 = 3.0;
+const PIXELS: f32 = 2.0;
 /// Automatic radius on surfaces, in sizes of a pixel.
 const SURFACE_PIXELS: f32 = 2.0;
 /// How many times a local radius is larger or smaller than the usual one at most.
