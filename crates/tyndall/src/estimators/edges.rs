@@ -75,7 +75,7 @@ impl Junction {
 
     fn on_surface<M: Mode>(scene: &Scene, vertex: &Vertex, point: &SurfacePoint, medium: Option<MediumId>) -> Self {
         let media = [point.normal, -point.normal].map(|side| scene.medium_towards(point, side, medium));
-        let end = Self {
+        let junction = Self {
             position: point.position,
             throughput: vertex.throughput,
             manner: Manner::Other,
@@ -93,12 +93,12 @@ impl Junction {
         };
         match scene.bsdfs.ceiling(scene.bsdf_of(point.shape), &scene.surface_context(point), arrival) {
             Some(ceiling) if ceiling.exact => Self {
-                throughput: end.throughput * ceiling.value * if cosines.is_finite() { cosines } else { 0.0 },
+                throughput: junction.throughput * ceiling.value * if cosines.is_finite() { cosines } else { 0.0 },
                 manner: Manner::Lambert,
                 axis: point.shading.n * 1.0_f32.copysign(arrival.z),
-                ..end
+                ..junction
             },
-            _ => end,
+            _ => junction,
         }
     }
 }
