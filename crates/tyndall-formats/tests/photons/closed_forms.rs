@@ -12,12 +12,17 @@ fn near() -> Infinite {
 
 /// Renders the medium with every way, to that precision.
 fn check(name: &str, p: &Infinite, radius: f64, ways: &[Way], precision: f64, tests: usize) {
+    aim(name, p, radius, ways, [0.8 * precision, precision], tests);
+}
+
+/// The same, with the precision that the number of passes is meant for before the one that is needed.
+fn aim(name: &str, p: &Infinite, radius: f64, ways: &[Way], [meant, precision]: [f64; 2], tests: usize) {
     let scene = common::scene(&infinite(name, p), true);
     for (seed, way) in (1..).zip(ways) {
         let truth = blurred(p, way.blur, radius);
         let mut set = way.parameters(radius, p.orders.map_or(-1, |n| n as i32 + 1));
         set.push(("photons", way.photons().to_string()));
-        let found = Measured::precisely(&scene, way.name, &set, seed, truth, 0.8 * precision);
+        let found = Measured::precisely(&scene, way.name, &set, seed, truth, meant);
         found.assert(&format!("{name} {}", way.title()), truth, precision, sidak(0.01, tests));
     }
 }
@@ -70,14 +75,15 @@ fn double_scattering() {
 }
 
 /// All cases with all estimators at a third of a per cent: `cargo test --release -p tyndall-formats --test photons -- --ignored
-/// --nocapture every_estimator`, three minutes.
+/// --nocapture every_estimator`, four minutes.
 #[test]
-#[ignore = "three minutes"]
+#[ignore = "four minutes"]
 fn every_estimator_everywhere() {
     for (name, p) in [("single", near()), ("forward", forward()), ("chromatic", chromatic())] {
         check(name, &p, 0.3, &WAYS, 0.0033, 200);
     }
-    check("double", &double(), 0.1, &WAYS, 0.0066, 200);
+    // Its tails are long, and a few passes may not tell how many are needed.
+    aim("double", &double(), 0.1, &WAYS, [0.0045, 0.0066], 200);
 }
 
 /// The bias is seen, at two radii, and is the one predicted.
