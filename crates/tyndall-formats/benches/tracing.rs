@@ -7,7 +7,7 @@
 use std::path::Path;
 use std::time::Instant;
 use tyndall::Scene;
-use tyndall::photons::{BeamRadius, Beams, Extent, LightPaths, Points, Tracing, Wanted};
+use tyndall::photons::{BeamRadius, Beams, LightPaths, Points, Tracing, Wanted};
 use tyndall::walk::{Media, Rules};
 use tyndall_formats::mitsuba;
 
@@ -22,19 +22,8 @@ fn scene(name: &str) -> Scene {
 }
 
 fn tracing(paths: u32, wanted: Wanted) -> Tracing<'static> {
-    Tracing {
-        paths,
-        rules: Rules { max_depth: DEPTH, rr_depth: 0, rr_cap: 1.0, media: Media::Scatter },
-        seed: 0,
-        set: 0,
-        extent: Extent::Short,
-        footprints: false,
-        point_radius: 0.01,
-        surface_radius: 0.01,
-        wanted,
-        effort: None,
-        memory: usize::MAX,
-    }
+    let rules = Rules { max_depth: DEPTH, rr_depth: 0, rr_cap: 1.0, media: Media::Scatter };
+    Tracing { point_radius: 0.01, surface_radius: 0.01, wanted, ..Tracing::of(paths, rules) }
 }
 
 /// Seconds of the quickest of five runs.

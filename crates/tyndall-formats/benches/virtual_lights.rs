@@ -10,7 +10,7 @@ use std::path::Path;
 use std::time::Instant;
 use tyndall::math::lanes::WIDTH;
 use tyndall::math::{Ray, Rng};
-use tyndall::photons::{Extent, LightPaths, Tracing, Wanted};
+use tyndall::photons::{LightPaths, Tracing, Wanted};
 use tyndall::scene::desc::{IntegratorDesc, ParameterValue};
 use tyndall::scene::shape::Shadow;
 use tyndall::walk::{Media, Rules};
@@ -44,19 +44,9 @@ fn best(mut run: impl FnMut() -> u64) -> f64 {
 
 /// Shadow rays between vertices of light paths: one by one, and eight a call as pairs send them.
 fn shadow_rays(scene: &Scene) -> [f64; 2] {
-    let tracing = Tracing {
-        paths: 10_000,
-        rules: Rules { max_depth: 10, rr_depth: 0, rr_cap: 1.0, media: Media::Scatter },
-        seed: 0,
-        set: 0,
-        extent: Extent::Short,
-        footprints: false,
-        point_radius: 0.0,
-        surface_radius: 0.0,
-        wanted: Wanted { vertices: [true, true], ..Wanted::default() },
-        effort: None,
-        memory: usize::MAX,
-    };
+    let rules = Rules { max_depth: 10, rr_depth: 0, rr_cap: 1.0, media: Media::Scatter };
+    let wanted = Wanted { vertices: [true, true], ..Wanted::default() };
+    let tracing = Tracing { wanted, ..Tracing::of(10_000, rules) };
     let mut paths = LightPaths::default();
     paths.trace(scene, &tracing).expect("memory is unlimited");
     let mut rng = Rng::keyed(1, 2, 3);

@@ -3,11 +3,12 @@
 use std::path::Path;
 use tyndall::estimators::connect::{Way, transfer};
 use tyndall::estimators::edges::{Edges, Junction, Junctions, Source};
+use tyndall::estimators::transport::{SHORT_OF, departure, turned};
 use tyndall::math::lanes::{Row, WIDTH};
-use tyndall::math::{Rng, Vec2};
-use tyndall::photons::{Extent, LightPaths, Tracing, Wanted};
+use tyndall::math::{Frame, Ray, Rng, Vec2, Vec3};
+use tyndall::photons::{LightPaths, Tracing, Wanted};
 use tyndall::scene::medium::Extinction;
-use tyndall::walk::{FromCamera, FromLight, Media, Rules, Scattering, Vertex};
+use tyndall::walk::{FromCamera, FromLight, Media, Rules, Scattering, Vertex, passage};
 use tyndall::{Scene, Spectrum};
 use tyndall_formats::mitsuba;
 
@@ -16,19 +17,9 @@ fn vertices(name: &str) -> (Scene, Vec<Vertex>) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes").join(name);
     let desc = mitsuba::read(&path, &mitsuba::Options::default()).unwrap().scene;
     let scene = Scene::build(&desc).unwrap();
-    let tracing = Tracing {
-        paths: 5000,
-        rules: Rules { max_depth: 10, rr_depth: 0, rr_cap: 1.0, media: Media::Scatter },
-        seed: 3,
-        set: 0,
-        extent: Extent::Short,
-        footprints: false,
-        point_radius: 0.0,
-        surface_radius: 0.0,
-        wanted: Wanted { vertices: [true, true], ..Wanted::default() },
-        effort: None,
-        memory: usize::MAX,
-    };
+    let rules = Rules { max_depth: 10, rr_depth: 0, rr_cap: 1.0, media: Media::Scatter };
+    let wanted = Wanted { vertices: [true, true], ..Wanted::default() };
+    let tracing = Tracing { seed: 3, wanted, ..Tracing::of(5000, rules) };
     let mut paths = LightPaths::default();
     paths.trace(&scene, &tracing).unwrap();
     // Some scenes have little but a ground, whose points do not see each other.
@@ -46,16 +37,39 @@ struct Case {
 
 /// One edge, and what it brings by the functions for one.
 fn one(scene: &Scene, light: &Vertex, camera: &Vertex, case: &Case, u: Vec2) -> Spectrum {
-    let way = match case.radius > 0.0 {
-        true => Way::from_ball(light.position, camera.position, case.radius, u),
-        false => Way::new(light.position, camera.position),
+    let Some(way) = Way::new(light.position, camera.position) else { return Spectrum::ZERO };
+    let mut rng = Rng::keyed(1, 0, 0);
+    let (value, spread) = match case.radius > 0.0 {
+        true => from_ball(scene, light, camera, case.radius, u, &mut rng),
+        false => (transfer(scene, &way, light, camera, &mut rng), way.spread),
     };
-    let Some(way) = way else { return Spectrum::ZERO };
-    let kept = if case.clamp > 0.0 { (case.clamp / way.spread).min(1.0) } else { 1.0 };
-    match transfer(scene, &way, light, camera, &mut Rng::keyed(1, 0, 0)) {
-        Some(value) => light.throughput * camera.throughput * value * kept,
-        None => Spectrum::ZERO,
-    }
+    let kept = if case.clamp > 0.0 { (case.clamp / spread).min(1.0) } else { 1.0 };
+    value.map_or(Spectrum::ZERO, |value| light.throughput * camera.throughput * value * kept)
+}
+
+/// The same from a ball: what is in the way is looked for from its centre, turns are those of a direction uniform in the cone
+/// around it, and the solid angle of the cone over that of the disk stands for the spread.
+fn from_ball(
+    scene: &Scene,
+    light: &Vertex,
+    camera: &Vertex,
+    radius: f32,
+    u: Vec2,
+    rng: &mut Rng,
+) -> (Option<Spectrum>, f32) {
+    let straight = (camera.position - light.position).normalize();
+    let sin2 = (radius * radius / camera.position.distance_squared(light.position)).min(1.0);
+    let cap = 1.0 - (1.0 - f64::from(sin2)).sqrt();
+    let spread = (2.0 * cap) as f32 / (radius * radius);
+    let cos = (1.0 - f64::from(u.x) * cap) as f32;
+    let (y, x) = (std::f32::consts::TAU * u.y).sin_cos();
+    let aside = (1.0 - cos * cos).max(0.0).sqrt();
+    let turning = Frame::from_normal(straight).to_world(Vec3::new(aside * x, aside * y, cos));
+    let turns = turned::<FromLight>(scene, light, turning) * turned::<FromCamera>(scene, camera, -turning);
+    let (from, medium) = departure(scene, light, straight);
+    let (to, _) = departure(scene, camera, -straight);
+    let passage = passage(scene, Ray::between(from, to), from.distance(to) * SHORT_OF, medium, true, rng);
+    (passage.map(|passage| turns * spread * passage.transmittance), spread)
 }
 
 #[test]

@@ -62,10 +62,10 @@ fn techniques_of_unified_points_beams_and_paths() {
     unified(&techniques, &named(&["infinite-double", "infinite-chromatic-triple"]), 800, 0.07);
 }
 
-/// All fifteen subsets: `cargo test --release -p tyndall-formats --test bidirectional -- --ignored --nocapture subset`, six
-/// minutes.
+/// All fifteen subsets: `cargo test --release -p tyndall-formats --test bidirectional -- --ignored --nocapture subset`, three
+/// to four minutes.
 #[test]
-#[ignore = "six minutes"]
+#[ignore = "four minutes"]
 fn every_subset_of_unified_points_beams_and_paths() {
     let subsets = subsets();
     let subsets: Vec<&str> = subsets.iter().map(String::as_str).collect();

@@ -75,9 +75,9 @@ fn double_scattering() {
 }
 
 /// All cases with all estimators at a third of a per cent: `cargo test --release -p tyndall-formats --test photons -- --ignored
-/// --nocapture every_estimator`, four minutes.
+/// --nocapture every_estimator`, five minutes.
 #[test]
-#[ignore = "four minutes"]
+#[ignore = "five minutes"]
 fn every_estimator_everywhere() {
     for (name, p) in [("single", near()), ("forward", forward()), ("chromatic", chromatic())] {
         check(name, &p, 0.3, &WAYS, 0.0033, 200);

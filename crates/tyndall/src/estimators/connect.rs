@@ -2,7 +2,7 @@
 
 use super::transport::{SHORT_OF, Turn, departure, turn, turned};
 use crate::Spectrum;
-use crate::math::{Frame, Ray, Rng, Vec2, Vec3};
+use crate::math::{Ray, Rng, Vec2, Vec3};
 use crate::scene::Scene;
 use crate::scene::desc::MediumId;
 use crate::scene::sensor::{Projection, RayDensity};
@@ -13,9 +13,7 @@ use crate::walk::{Edge, FromCamera, FromLight, Vertex, edge_passage, passage};
 pub struct Way {
     /// Unit direction of light's travel.
     direction: Vec3,
-    /// The direction as if along which light turns, if it comes from a ball.
-    turning: Vec3,
-    /// One over the squared distance, or over the area that stands for it, 1/m^2.
+    /// One over the squared distance, 1/m^2.
     pub spread: f32,
 }
 
@@ -28,23 +26,7 @@ impl Way {
             return None;
         }
         let direction = (camera - light) / distance2.sqrt();
-        Some(Self { direction, turning: direction, spread: 1.0 / distance2 })
-    }
-
-    /// Light comes from all of a ball of that radius around `light`, seen along a direction that `u` chooses within the
-    /// ball's cone; the half space when `camera` stands in the ball (Novak et al. 2012b; Hasan et al. 2009).
-    #[inline]
-    pub fn from_ball(light: Vec3, camera: Vec3, radius: f32, u: Vec2) -> Option<Self> {
-        let Self { direction, spread, .. } = Self::new(light, camera)?;
-        let sin2 = (radius * radius * spread).min(1.0);
-        let cos_cone = (1.0 - sin2).sqrt();
-        // One minus the cosine, without cancellation.
-        let cap = sin2 / (1.0 + cos_cone);
-        let cos = 1.0 - u.x * cap;
-        let sin = (u.x * cap * (1.0 + cos)).sqrt();
-        let (y, x) = (std::f32::consts::TAU * u.y).sin_cos();
-        let turning = Frame::from_normal(direction).to_world(Vec3::new(sin * x, sin * y, cos));
-        Some(Self { direction, turning, spread: 2.0 * cap / (radius * radius) })
+        Some(Self { direction, spread: 1.0 / distance2 })
     }
 
     /// The ray along which nothing may stand, its length and its first medium.
@@ -60,11 +42,11 @@ impl Way {
 /// walks on arrival it is the radiance of this path. `None` when nothing gets from one to the other.
 #[inline]
 pub fn transfer(scene: &Scene, way: &Way, light: &Vertex, camera: &Vertex, rng: &mut Rng) -> Option<Spectrum> {
-    let at_camera = turned::<FromCamera>(scene, camera, -way.turning);
+    let at_camera = turned::<FromCamera>(scene, camera, -way.direction);
     if at_camera.is_black() {
         return None;
     }
-    let value = turned::<FromLight>(scene, light, way.turning) * at_camera * way.spread;
+    let value = turned::<FromLight>(scene, light, way.direction) * at_camera * way.spread;
     if value.is_black() {
         return None;
     }
@@ -93,7 +75,7 @@ pub struct Join {
 #[inline]
 pub fn join(scene: &Scene, light: &Vertex, camera: &Vertex, rng: &mut Rng) -> Option<Join> {
     let way = Way::new(light.position, camera.position)?;
-    let Way { direction, spread, .. } = way;
+    let Way { direction, spread } = way;
     let at_camera = turn::<FromCamera>(scene, camera, -direction);
     if at_camera.value.is_black() {
         return None;

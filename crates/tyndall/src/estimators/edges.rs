@@ -286,10 +286,10 @@ pub struct Edges<'a> {
     pub light: &'a Junctions<'a>,
     /// Vertices of the camera's.
     pub camera: &'a Junctions<'a>,
-    /// Light comes from all of a ball of this radius (see [`Way::from_ball`](super::connect::Way::from_ball)), metres; 0: from
-    /// its centre.
+    /// Light comes from all of a ball of this radius, metres, seen along a direction within the ball's cone; the half space when
+    /// the camera's vertex lies in it (Novak et al. 2012b; Hasan et al. 2009). 0: from its centre.
     pub radius: f32,
-    /// Random numbers for it.
+    /// Random numbers that choose the direction.
     pub u: &'a [Row; 2],
     /// Bound on 1/d^2, 1/m^2; 0: none.
     pub clamp: f32,
@@ -358,11 +358,13 @@ impl Kernel for Reaching<'_> {
     }
 }
 
-/// As [`Way::from_ball`](super::connect::Way::from_ball).
+/// The directions as if along which light turns that comes from balls, and one over the areas that stand for the squared
+/// distances.
 #[inline(always)]
 fn from_ball<L: Lanes>(direction: [L; 3], spread: L, radius: f32, u: [L; 2]) -> ([L; 3], L) {
     let (zero, one, square) = (L::splat(0.0), L::splat(1.0), L::splat(radius * radius));
     let sin2 = square.mul(spread).min(one);
+    // One minus the cosine, without cancellation.
     let cap = sin2.div(one.add(one.sub(sin2).sqrt()));
     let part = u[0].mul(cap);
     let cos = one.sub(part);

@@ -20,17 +20,11 @@ impl Equiangular {
     /// For the first `length` metres of `ray` (possibly infinite) and the point `target`.
     #[inline]
     pub fn new(ray: &Ray, length: f32, target: Vec3) -> Self {
-        Self::softened(ray, length, target, 0.0)
-    }
-
-    /// With density proportional to 1/(d^2 + radius^2) instead.
-    #[inline]
-    pub fn softened(ray: &Ray, length: f32, target: Vec3, radius: f32) -> Self {
         let to_target = target - ray.origin;
         let delta = to_target.dot(ray.direction);
         // The rejection, not sqrt(l^2 - delta^2), which cancels near the line.
         let rejection = to_target - delta * ray.direction;
-        let height = (rejection.length_squared() + radius * radius).sqrt().max(1e-6 * to_target.length()).max(1e-12);
+        let height = rejection.length().max(1e-6 * to_target.length()).max(1e-12);
         // Sine and cosine of the angle between the directions to both ends, times the same factor.
         let (sin, cos) = if length.is_finite() {
             (height * length, height * height - delta * (length - delta))
@@ -88,7 +82,7 @@ impl Equiangular {
     }
 }
 
-/// The same in lanes: eight rays and points.
+/// The same in lanes: eight rays and points. The density may be softened to 1/(d^2 + radius^2).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EquiangularLanes<L> {
     /// As in [`Equiangular`].

@@ -69,6 +69,25 @@ pub struct Tracing<'a> {
     pub memory: usize,
 }
 
+impl Tracing<'_> {
+    /// So many light paths of which nothing is kept: short, of no width, in any memory.
+    pub fn of(paths: u32, rules: Rules) -> Self {
+        Self {
+            paths,
+            rules,
+            seed: 0,
+            set: 0,
+            extent: Extent::Short,
+            footprints: false,
+            point_radius: 0.0,
+            surface_radius: 0.0,
+            wanted: Wanted::default(),
+            effort: None,
+            memory: usize::MAX,
+        }
+    }
+}
+
 /// Why light paths cannot be kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TraceError {

@@ -126,14 +126,12 @@ impl LightDensity {
     /// Widens the radii in media, `radius` metres before, where a ball would take in less than a few of the points of so many light
     /// paths, or a disk less on the length of a beam: which is seldom, so that beams see finer structures than points.
     pub fn widen_in_media(&mut self, radius: f32, paths: u32) {
-        let mut media = std::mem::take(&mut self.media);
-        for cell in &mut media {
+        for cell in &mut self.media {
             let points = cell.points(paths);
-            let along = self.beam_length(cell.sigma_t);
+            let along = beam_length(self.extent, cell.sigma_t);
             cell.ball = widened(cell.ball, (TAKEN_IN / (points * 4.0 / 3.0 * PI)).cbrt() / radius);
             cell.disk = widened(cell.disk, (TAKEN_IN / (points * along * PI)).sqrt() / radius);
         }
-        self.media = media;
     }
 
     /// Widens the radii on surfaces, `radius` metres before, where a disk would take in less than a few of the points of so many
@@ -164,8 +162,12 @@ impl LightDensity {
 
     /// About how long beams are in a medium of that extinction (1/m), metres.
     pub fn beam_length(&self, sigma_t: f32) -> f32 {
-        if sigma_t * self.extent > 1.0 { 1.0 / sigma_t } else { self.extent }
+        beam_length(self.extent, sigma_t)
     }
+}
+
+fn beam_length(extent: f32, sigma_t: f32) -> f32 {
+    if sigma_t * extent > 1.0 { 1.0 / sigma_t } else { extent }
 }
 
 /// The factor of a radius that is to be `wanted`, no smaller than it was.

@@ -109,12 +109,6 @@ impl<'a> Batch<'a> {
         lane
     }
 
-    /// Whether a light of that manner cannot come in.
-    #[inline(always)]
-    fn refuses(&self, manner: Manner) -> bool {
-        self.count > 0 && self.lights.manner() != manner
-    }
-
     /// The ray lights in use and their media.
     #[inline(always)]
     pub(super) fn beams(&self) -> impl Iterator<Item = (&'a Beam, MediumId)> {
@@ -149,16 +143,21 @@ impl<'a> Batch<'a> {
             [self.lights.position, self.lights.throughput] = self.lights.after(s, Spectrum::ZERO, pdf);
             return;
         }
-        for lane in 0..self.count & 15 {
-            let Some((beam, medium)) = self.beams[lane & 7] else { continue };
-            let (s, pdf) = (s.0[lane & 7], pdf.0[lane & 7]);
+        for lane in 0..self.count {
+            let Some((beam, medium)) = self.beams[lane] else { continue };
+            let (s, pdf) = (s.0[lane], pdf.0[lane]);
             let (position, flux) = beam.scattered(scene.medium(medium), s);
             self.lights.put(lane, position, if pdf > 0.0 { flux / pdf } else { Spectrum::ZERO });
         }
     }
 
-    fn clear(&mut self) {
-        (self.count, self.even) = (0, true);
+    /// Connects what is there, if it is time.
+    #[inline(always)]
+    fn flush(&mut self, now: bool, sampler: &mut Sampler, connect: &mut impl FnMut(&mut Batch, &mut Sampler)) {
+        if now && self.count > 0 {
+            connect(self, sampler);
+            (self.count, self.even) = (0, true);
+        }
     }
 }
 
@@ -180,23 +179,15 @@ impl VirtualLights {
             if !counts(light.scatterings) {
                 return;
             }
-            if batch.refuses(light.manner()) {
-                connect(&mut batch, sampler);
-                batch.clear();
-            }
+            batch.flush(batch.lights.manner() != light.manner(), sampler, &mut connect);
             let source = Source::Vertex(&self.paths.vertices[light.vertex()]);
             let shift = sampler.rng().f32();
             for sample in 0..samples {
                 batch.push(&light.junction, source, weight * step, [(sample as f32 + shift) * step, 0.0]);
-                if batch.count == WIDTH {
-                    connect(&mut batch, sampler);
-                    batch.clear();
-                }
+                batch.flush(batch.count == WIDTH, sampler, &mut connect);
             }
         });
-        if batch.count > 0 {
-            connect(&mut batch, sampler);
-        }
+        batch.flush(true, sampler, &mut connect);
     }
 
     /// The same of ray lights.
@@ -218,10 +209,7 @@ impl VirtualLights {
             if !counts(light.scatterings) {
                 return;
             }
-            if batch.refuses(light.start.manner) {
-                connect(&mut batch, sampler);
-                batch.clear();
-            }
+            batch.flush(batch.lights.manner() != light.start.manner, sampler, &mut connect);
             let (beam, medium) = (&self.paths.beams[light.beam()], light.medium);
             let source = Source::Phase(scene.medium(medium).phase());
             let shift = sampler.rng().f32();
@@ -231,14 +219,9 @@ impl VirtualLights {
                 batch.rays.set(lane, &beam.ray(), light.length);
                 batch.even &= light.even;
                 batch.beams[lane] = Some((beam, medium));
-                if batch.count == WIDTH {
-                    connect(&mut batch, sampler);
-                    batch.clear();
-                }
+                batch.flush(batch.count == WIDTH, sampler, &mut connect);
             }
         });
-        if batch.count > 0 {
-            connect(&mut batch, sampler);
-        }
+        batch.flush(true, sampler, &mut connect);
     }
 }

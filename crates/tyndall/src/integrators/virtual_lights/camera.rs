@@ -61,7 +61,7 @@ impl<'a> Seeker<'a> {
         let mut u = [Row([0.0; WIDTH]); 2];
         if radius > 0.0 {
             let rng = sampler.rng();
-            (0..batch.count & 15).for_each(|lane| u.iter_mut().for_each(|row| row.0[lane & 7] = rng.f32()));
+            (0..batch.count).for_each(|lane| u.iter_mut().for_each(|row| row.0[lane] = rng.f32()));
         }
         self.connections.set(self.connections.get() + batch.count as u64);
         let Batch { lights, count, weight, .. } = batch;

@@ -139,19 +139,9 @@ impl VirtualLights {
 
     fn tracing(&self, seed: u64, set: u32) -> Tracing<'static> {
         let Options { photons, light_rules, rays, extent, memory, .. } = self.options;
-        Tracing {
-            paths: photons,
-            rules: light_rules,
-            seed: self.options.light_seed.unwrap_or(seed),
-            set,
-            extent,
-            footprints: false,
-            point_radius: 0.0,
-            surface_radius: 0.0,
-            wanted: Wanted { beams: rays, vertices: [!rays, true], ..Wanted::default() },
-            effort: None,
-            memory,
-        }
+        let seed = self.options.light_seed.unwrap_or(seed);
+        let wanted = Wanted { beams: rays, vertices: [!rays, true], ..Wanted::default() };
+        Tracing { seed, set, extent, wanted, memory, ..Tracing::of(photons, light_rules) }
     }
 
     /// Whether points on rays in these media are chosen by how light turns there, on a camera's ray of that optical depth.

@@ -29,7 +29,7 @@ use crate::integrators::components::Components;
 use crate::integrators::volpath::{self, Volpath};
 use crate::integrators::{Counts, Integrator, Job, Pixel, RareEvents, each_pixel, light_set};
 use crate::math::{Rng, Sampler, Vec2, Vec3};
-use crate::photons::{Extent, LightPaths, TraceError, Tracing, Wanted};
+use crate::photons::{LightPaths, TraceError, Tracing, Wanted};
 use crate::scene::Scene;
 use crate::walk::{Profile, Rules, Vertex};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -135,19 +135,8 @@ impl Lightcuts {
 
     fn tracing(&self, seed: u64, set: u32) -> Tracing<'static> {
         let Options { photons, light_rules, memory, .. } = self.options;
-        Tracing {
-            paths: photons,
-            rules: light_rules,
-            seed,
-            set,
-            extent: Extent::Short,
-            footprints: false,
-            point_radius: 0.0,
-            surface_radius: 0.0,
-            wanted: Wanted { vertices: [true, true], ..Wanted::default() },
-            effort: None,
-            memory,
-        }
+        let wanted = Wanted { vertices: [true, true], ..Wanted::default() };
+        Tracing { seed, set, wanted, memory, ..Tracing::of(photons, light_rules) }
     }
 
     /// Finds the bound on 1/d^2, if it is an automatic one, and what counts as dark, from a few light paths of their own: the
