@@ -5,7 +5,7 @@ mod common;
 use tyndall::Spectrum;
 use tyndall::math::{Ray, Sampler, Vec3};
 use tyndall::scene::desc::MediumId;
-use tyndall::walk::{Escape, FromLight, Media, Rules, Sink, Start, Vertex, walk};
+use tyndall::walk::{Escape, FromLight, Media, Onward, Rules, Sink, Start, Vertex, walk};
 use tyndall_testkit::corpus::{Furnace, furnace, furnace_room};
 
 /// Counts.
@@ -36,7 +36,7 @@ const ANALOGUE: Rules = Rules { max_depth: u32::MAX, rr_depth: 0, rr_cap: 1.0, m
 
 fn start(origin: Vec3, direction: Vec3) -> Start {
     let medium = Some(MediumId(0));
-    Start { ray: Ray { origin, direction }, length: f32::INFINITY, medium, throughput: Spectrum::ONE }
+    Start::new(Ray { origin, direction }, f32::INFINITY, medium, Spectrum::ONE)
 }
 
 /// The box of the furnace reaches to 1. A collision behind its face came there by rounding.
@@ -70,6 +70,50 @@ fn light_goes_the_same_ways_whether_looked_for_beyond_its_flights_or_not() {
             });
             assert_eq!(far, near, "path {path}");
         }
+    }
+}
+
+/// Keeps the walk that another sink is to follow, and adds up what leaves the scene.
+#[derive(Default)]
+struct Forked {
+    reflected: Option<Start>,
+    forks: u32,
+    left: f32,
+}
+
+impl Sink for Forked {
+    const FORKS: bool = true;
+
+    fn fork(&mut self, _vertex: &Vertex, onward: &Onward, start: Start) {
+        assert_eq!((onward.direction, onward.eta, onward.pdf.is_none()), (start.ray.direction, 1.0, true));
+        self.forks += 1;
+        self.reflected = Some(start);
+    }
+    fn escape(&mut self, escape: &Escape) {
+        self.left += escape.throughput.max_channel();
+    }
+}
+
+/// A glass cube full of fog that absorbs nothing.
+#[test]
+fn walks_at_smooth_glass_part_the_light_between_both_ways() {
+    let scene = common::scene(&furnace("glass", Furnace { glass: true, ..Furnace::default() }), true);
+    let rules = Rules { rr_depth: u32::MAX, ..ANALOGUE };
+    for path in 0..1000 {
+        let mut sampler = Sampler::new(1, 2, path);
+        let direction = Vec3::new(0.3 * sampler.f32(), -1.0, 0.3 * sampler.f32()).normalize();
+        let out = Start::new(Ray { origin: Vec3::Y * 2.0, direction }, f32::INFINITY, None, Spectrum::ONE);
+        let mut seen = Forked::default();
+        walk::<FromLight, _>(&scene, out, &rules, &mut sampler, &mut seen);
+        let reflected = seen.reflected.take().expect("the walk meets glass");
+        let mirrored = Vec3::new(direction.x, -direction.y, direction.z);
+        assert!(reflected.ray.direction.distance(mirrored) < 1e-6, "{:?}", reflected.ray);
+        assert!((reflected.throughput.max_channel() - 0.04).abs() < 1e-3, "{:?}", reflected.throughput);
+        assert_eq!((reflected.scatterings, reflected.leg, reflected.medium), (1, 1, None));
+        let through = seen.left;
+        walk::<FromLight, _>(&scene, reflected, &rules, &mut sampler, &mut seen);
+        assert!(0.9 < through && (seen.left - 1.0).abs() < 1e-5, "{through} and then {}", seen.left);
+        assert_eq!((seen.forks, seen.reflected.is_none()), (1, true), "only the first glass counts");
     }
 }
 

@@ -85,12 +85,7 @@ fn sums(scene: &Scene, effort: &Effort, sampler: &mut Sampler, mut found: impl F
     walk::<FromLight, _>(scene, Start::emitted(&emission), &RULES, sampler, &mut light);
     let film = sampler.vec2() * 24.0;
     let camera_ray = scene.sensor.sample_ray(film, sampler.vec2());
-    let start = Start {
-        ray: camera_ray.ray,
-        length: camera_ray.t_max,
-        medium: scene.camera_medium,
-        throughput: tyndall::Spectrum::ONE,
-    };
+    let start = Start::seen(scene, &camera_ray);
     let mut camera = Record::default();
     walk::<FromCamera, _>(scene, start, &RULES, sampler, &mut camera);
     let end = LightEnd::of_emission(&emission, &scene.lights);

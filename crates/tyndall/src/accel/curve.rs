@@ -72,10 +72,32 @@ impl CurveBuilder {
         let count = bvh.order.len();
         let leaves = count.div_ceil(WIDTH);
         bvh.starts.extend((1..=leaves).map(|leaf| (leaf * WIDTH).min(count) as u32));
-        // Boxes of the leaves, then of every level above.
         self.boxes.clear();
         let leaf_box = |items: &[u32]| items.iter().fold(Aabb::EMPTY, |a, &i| a.union(bounds(i as usize)));
         self.boxes.par_extend(bvh.order.par_chunks(WIDTH).map(leaf_box));
+        self.stack(bvh, leaves);
+    }
+
+    /// Makes `bvh` the hierarchy of the same items as `other`, which has been made here, in the same leaves with other boxes.
+    pub fn rebuild_like(&mut self, bvh: &mut Bvh, other: &Bvh, leaf_box: impl Fn(usize) -> Aabb + Send + Sync) {
+        bvh.nodes.clear();
+        bvh.order.clone_from(&other.order);
+        bvh.starts.clone_from(&other.starts);
+        bvh.bounds = None;
+        let leaves = other.leaf_count();
+        if leaves == 0 {
+            return;
+        }
+        self.boxes.clear();
+        self.boxes.par_extend((0..leaves).into_par_iter().with_min_len(CHUNK / WIDTH).map(leaf_box));
+        let all = self.boxes.par_iter().copied().reduce(|| Aabb::EMPTY, Aabb::union);
+        bvh.bounds = Some(all);
+        bvh.largest = all.min.abs().max(all.max.abs()).max_element();
+        self.stack(bvh, leaves);
+    }
+
+    /// The nodes over so many leaves, whose boxes are at hand.
+    fn stack(&mut self, bvh: &mut Bvh, leaves: usize) {
         let mut levels = vec![(0, leaves)];
         while levels.last().is_some_and(|(_, len)| *len > WIDTH) {
             let (start, len) = levels[levels.len() - 1];
@@ -244,6 +266,31 @@ mod tests {
                     assert!(!(near < far) || b.is_empty() || found.contains(&j), "box {j} of {count} is missed");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn the_same_leaves_with_other_boxes() {
+        let (mut builder, [mut first, mut again]) = (CurveBuilder::default(), [Bvh::default(), Bvh::default()]);
+        for count in [0, 1, 8, 9, 65, 5000] {
+            let place = |i: usize| {
+                let mut rng = Rng::keyed(2, count, i as u64);
+                Vec3::new(rng.f32(), rng.f32(), rng.f32())
+            };
+            let boxes = |half: f32| move |i: usize| Aabb { min: place(i) - half, max: place(i) + half };
+            builder.rebuild(&mut first, count as usize, boxes(0.01));
+            let leaf_box = |half: f32| {
+                let first = &first;
+                move |leaf: usize| {
+                    let items = first.leaf(leaf as u32).map(|at| first.order()[at] as usize);
+                    items.map(boxes(half)).fold(Aabb::EMPTY, Aabb::union)
+                }
+            };
+            builder.rebuild_like(&mut again, &first, leaf_box(0.01));
+            assert_eq!(format!("{first:?}"), format!("{again:?}"));
+            builder.rebuild_like(&mut again, &first, leaf_box(0.5));
+            let meant = (0..count as usize).map(boxes(0.5)).fold(Aabb::EMPTY, Aabb::union);
+            assert!(count == 0 || again.bounds() == meant, "{:?} is not {meant:?}", again.bounds());
         }
     }
 

@@ -210,9 +210,7 @@ impl Volpath {
             history: History::START,
             share: 1.0,
         };
-        let start =
-            Start { ray: camera.ray, length: camera.t_max, medium: scene.camera_medium, throughput: Spectrum::ONE };
-        walk::<FromCamera, _>(scene, start, &self.options.rules, sampler, &mut tracer);
+        walk::<FromCamera, _>(scene, Start::seen(scene, &camera), &self.options.rules, sampler, &mut tracer);
         tracer.radiance
     }
 }

@@ -44,6 +44,22 @@ impl<B: Copy + Send + Sync, P: Send> Arranged<B, P> {
         }));
     }
 
+    /// Arranges the items of `other` as they are there, in `changed` blocks with `bounds`. Memory is re-used.
+    pub(super) fn rebuild_like(
+        &mut self,
+        other: &Self,
+        changed: impl Fn(&B) -> B + Send + Sync,
+        bounds: impl Fn(&B) -> Aabb + Sync,
+    ) where
+        P: Clone,
+    {
+        self.payloads.clone_from(&other.payloads);
+        self.blocks.clear();
+        self.blocks.par_extend(other.blocks.par_iter().map(changed));
+        let blocks = &self.blocks;
+        self.builder.rebuild_like(&mut self.bvh, &other.bvh, |leaf| bounds(&blocks[leaf]));
+    }
+
     #[inline(always)]
     pub(super) fn payload(&self, leaf: u32, lane: usize) -> &P {
         &self.payloads[self.bvh.leaf(leaf).start + lane]

@@ -37,6 +37,11 @@ pub struct PointBlock {
 impl PointBlock {
     const EMPTY: Self = Self { position: [Row([0.0; WIDTH]); 3], radius: Row([-1.0; WIDTH]) };
 
+    /// Lanes with a photon.
+    fn filled(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..WIDTH).filter(|lane| self.radius.0[*lane] >= 0.0)
+    }
+
     /// The photon's position in a lane.
     #[inline(always)]
     pub fn position(&self, lane: usize) -> Vec3 {
@@ -78,6 +83,26 @@ impl Points {
                     row.0[lane] = x;
                 }
                 block.radius.0[lane] = photons[i].radius;
+            },
+        );
+    }
+
+    /// Arranges the photons of `other` with radii of their own, as a function of the position. Memory is re-used.
+    pub fn rebuild_with_radii(&mut self, other: &Self, radius: impl Fn(Vec3) -> f32 + Sync) {
+        self.0.rebuild_like(
+            &other.0,
+            |block| {
+                let mut changed = *block;
+                for lane in block.filled() {
+                    changed.radius.0[lane] = radius(block.position(lane));
+                }
+                changed
+            },
+            |block| {
+                block.filled().fold(Aabb::EMPTY, |all, lane| {
+                    let (x, radius) = (block.position(lane), block.radius.0[lane]);
+                    all.union(Aabb { min: x - radius, max: x + radius })
+                })
             },
         );
     }
@@ -126,5 +151,49 @@ impl Store for Points {
     fn arriving(&self, leaf: u32, lane: usize, _s: [f32; 2], _x: Vec3, _medium: Option<&Medium>) -> Arriving {
         let payload = self.0.payload(leaf, lane);
         Arriving { direction: payload.direction.unpack(), flux: payload.flux.unpack() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{Rng, warp};
+
+    #[test]
+    fn the_same_photons_with_other_radii() {
+        let photons: Vec<Photon> = (0..1003)
+            .map(|i| {
+                let mut rng = Rng::keyed(1, 2, i);
+                let position = Vec3::new(rng.f32(), rng.f32(), rng.f32());
+                let direction = Octahedral::new(warp::square_to_sphere(rng.vec2()));
+                let flux = Flux::new(crate::Spectrum::ONE);
+                Photon {
+                    position,
+                    radius: 0.01,
+                    flux,
+                    direction,
+                    tag: Tag::new(None, 0, crate::photons::Origin::Direct),
+                }
+            })
+            .collect();
+        let [mut points, mut other] = [Points::default(), Points::default()];
+        points.rebuild(&photons);
+        other.rebuild_with_radii(&points, |x| 0.3 * x.x);
+        assert_eq!(other.len(), photons.len());
+        let mut bounds = Aabb::EMPTY;
+        for leaf in 0..other.bvh().leaf_count() as u32 {
+            let block = other.block(leaf);
+            for lane in 0..WIDTH {
+                if points.block(leaf).radius.0[lane] < 0.0 {
+                    assert!(block.radius.0[lane] < 0.0, "nothing is there");
+                    continue;
+                }
+                let photon = &photons[other.index(leaf, lane) as usize];
+                let (x, radius) = (block.position(lane), block.radius.0[lane]);
+                assert_eq!((x, radius), (photon.position, 0.3 * photon.position.x));
+                bounds = bounds.union(Aabb { min: x - radius, max: x + radius });
+            }
+        }
+        assert_eq!(other.bvh().bounds(), bounds);
     }
 }

@@ -31,7 +31,12 @@ pub fn corner(scene: &Scene, effort: &Effort, vertex: &Vertex) -> Corner {
     let x = vertex.position;
     let (normal, merges) = match &vertex.scattering {
         Scattering::Medium { medium } => (Vec3::ZERO, effort.in_medium(scene.medium(*medium), x)),
-        Scattering::Surface { point, .. } if scene.is_diffuse(point.shape) => (point.normal, effort.on_surface(x)),
+        Scattering::Surface { point, .. } if scene.is_diffuse(point.shape) => {
+            let merges = effort.on_surface(x);
+            // What is seen in a rough reflection is better looked for.
+            let first = if scene.is_glossy(point.shape) { 1.0 } else { merges.first };
+            (point.normal, Merges { first, ..merges })
+        }
         Scattering::Surface { point, .. } => (point.normal, Merges::NONE),
     };
     Corner { position: x, arriving: vertex.direction, normal, merges }

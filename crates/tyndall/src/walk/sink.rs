@@ -1,10 +1,14 @@
 //! Who listens to a walk.
 
-use super::{Escape, Onward, Segment, SurfaceHit, Vertex};
+use super::{Escape, Onward, Segment, Start, SurfaceHit, Vertex};
 use crate::math::Sampler;
 
 /// Receives what a walk meets, in order. Every method does nothing unless implemented.
 pub trait Sink {
+    /// Whether the walk, where it first meets smooth glass, goes on through it and tells [`Sink::fork`] of its reflection, in place of
+    /// choosing one of both.
+    const FORKS: bool = false;
+
     /// A piece of a leg inside a medium. Called after the flight was sampled, before its outcome.
     fn segment(&mut self, _segment: &Segment, _sampler: &mut Sampler) {}
 
@@ -23,6 +27,9 @@ pub trait Sink {
     fn scattered(&mut self, _vertex: &Vertex, _onward: &Onward) -> bool {
         true
     }
+
+    /// Another walk would start with the reflection at `vertex`.
+    fn fork(&mut self, _vertex: &Vertex, _onward: &Onward, _start: Start) {}
 
     /// The walk left the scene.
     fn escape(&mut self, _escape: &Escape) {}

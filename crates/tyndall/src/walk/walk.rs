@@ -7,6 +7,7 @@ use crate::scene::Scene;
 use crate::scene::bsdf::{SurfaceContext, Transport};
 use crate::scene::desc::MediumId;
 use crate::scene::emitter::Emission;
+use crate::scene::sensor::CameraRay;
 use crate::scene::shape::SurfacePoint;
 
 /// Where a walk begins.
@@ -20,13 +21,31 @@ pub struct Start {
     pub medium: Option<MediumId>,
     /// Initial throughput.
     pub throughput: Spectrum,
+    /// The throughput that roulette takes for one.
+    pub unit: f32,
+    /// Scattering events before.
+    pub scatterings: u32,
+    /// Number of the first leg.
+    pub leg: u32,
 }
 
 impl Start {
+    /// Of a walk with this throughput along a ray.
+    #[inline]
+    pub fn new(ray: Ray, length: f32, medium: Option<MediumId>, throughput: Spectrum) -> Self {
+        Self { ray, length, medium, throughput, unit: throughput.max_channel(), scatterings: 0, leg: 0 }
+    }
+
     /// Of a light path.
     #[inline]
     pub fn emitted(emission: &Emission) -> Self {
-        Self { ray: emission.ray, length: f32::INFINITY, medium: emission.medium, throughput: emission.flux }
+        Self::new(emission.ray, f32::INFINITY, emission.medium, emission.flux)
+    }
+
+    /// Of a camera path.
+    #[inline]
+    pub fn seen(scene: &Scene, camera: &CameraRay) -> Self {
+        Self::new(camera.ray, camera.t_max, scene.camera_medium, Spectrum::ONE)
     }
 }
 
@@ -97,10 +116,10 @@ pub fn walk<M: Mode, S: Sink>(scene: &Scene, start: Start, rules: &Rules, sample
     let media = rules.media != Media::Absent;
     let mut medium = start.medium.filter(|_| media);
     let mut throughput = start.throughput;
-    let unit = start.throughput.max_channel();
-    let mut scatterings = 0;
+    let unit = start.unit;
+    let mut scatterings = start.scatterings;
     let mut eta = 1.0;
-    let mut leg = 0;
+    let mut leg = start.leg;
     let mut passing = matches!(rules.media, Media::Attenuate | Media::AttenuateFirst);
     loop {
         sampler.start_leg(leg);
@@ -182,7 +201,27 @@ pub fn walk<M: Mode, S: Sink>(scene: &Scene, start: Start, rules: &Rules, sample
             }
             Scattering::Surface { point, medium: arrival } => {
                 let context = scene.surface_context(point);
-                let Some(scattered) = scatter_surface::<M>(scene, &context, &vertex, sampler, media) else { return };
+                let (lobe, u) = (sampler.f32(), sampler.vec2());
+                let scatter = |lobe: f32| scatter_surface::<M>(scene, &context, &vertex, lobe, u, media);
+                let forks = (S::FORKS && scatterings == 0 && !exhausted)
+                    .then(|| scene.bsdfs.forks(scene.bsdf_of(point.shape), point.shading.to_local(-vertex.direction)))
+                    .flatten();
+                if let Some(reflected) = forks
+                    && let Some(Scattered { direction, weight, pdf, eta, .. }) = scatter(0.0)
+                {
+                    let start = Start {
+                        ray: Ray { origin: point.leave(direction), direction },
+                        length: f32::INFINITY,
+                        medium: if media { scene.medium_towards(point, direction, *arrival) } else { medium },
+                        throughput: throughput * weight * reflected,
+                        unit,
+                        scatterings: scatterings + 1,
+                        leg: leg + 1,
+                    };
+                    sink.fork(&vertex, &Onward { direction, pdf, eta }, start);
+                    throughput *= 1.0 - reflected;
+                }
+                let Some(scattered) = scatter(forks.unwrap_or(lobe)) else { return };
                 if exhausted && !scattered.null {
                     return;
                 }
@@ -247,12 +286,12 @@ fn scatter_surface<M: Mode>(
     scene: &Scene,
     context: &SurfaceContext,
     vertex: &Vertex,
-    sampler: &mut Sampler,
+    lobe: f32,
+    u: Vec2,
     media: bool,
 ) -> Option<Scattered> {
     let Scattering::Surface { point, .. } = &vertex.scattering else { return None };
     let wo = point.shading.to_local(-vertex.direction);
-    let (lobe, u) = (sampler.f32(), sampler.vec2());
     let sample = scene.bsdfs.sample(scene.bsdf_of(point.shape), context, wo, M::TRANSPORT, lobe, u)?;
     let null = sample.event.null && media;
     if sample.event.null {

@@ -32,6 +32,10 @@ pub(super) struct CameraPath<'a, R> {
     looks: bool,
     /// Whether the walk only counts once it has collided in a medium.
     waits: bool,
+    /// Whether there is a medium before the first vertex that scatters by chance.
+    clouded: bool,
+    /// A reflection that is still to be followed.
+    reflected: Option<(Account<'a, FromCamera>, Start)>,
     pub(super) account: Account<'a, FromCamera>,
 }
 
@@ -52,24 +56,51 @@ impl<'a, R: Recorder> CameraPath<'a, R> {
         let record = merger.record;
         let radiance = Spectrum::ZERO;
         let (ends, looks, waits) = (false, false, false);
-        let mut path =
-            Self { scene, options, effort, light, merger, pairing, record, radiance, ends, looks, waits, account };
-        let start =
-            Start { ray: camera.ray, length: camera.t_max, medium: scene.camera_medium, throughput: Spectrum::ONE };
+        let reflected = None;
+        let mut path = Self {
+            scene,
+            options,
+            effort,
+            light,
+            merger,
+            pairing,
+            record,
+            radiance,
+            ends,
+            looks,
+            waits,
+            clouded: false,
+            reflected,
+            account,
+        };
+        let start = Start::seen(scene, &camera);
         if !effort.split {
-            walk::<FromCamera, _>(scene, start, &options.rules, sampler, &mut path);
+            path.follow(start, &options.rules, sampler);
             return path.radiance;
         }
         // Merging sees all of the first beam: one walk passes it, whatever else would be left to chance, ...
-        let passing = Rules { media: Media::AttenuateFirst, ..options.rules };
-        walk::<FromCamera, _>(scene, start, &passing, sampler, &mut path);
-        // ... and another one shows what collides there.
+        path.follow(start, &Rules { media: Media::AttenuateFirst, ..options.rules }, sampler);
+        // ... and another one shows what collides there, if anything can.
+        if !path.clouded {
+            return path.radiance;
+        }
         path.account = Account::of_camera(scene, effort, &camera.ray);
-        path.merger.boost = 1.0;
-        path.looks = false;
         path.waits = true;
-        walk::<FromCamera, _>(scene, start, &options.rules, sampler, &mut path);
+        path.follow(start, &options.rules, sampler);
         path.radiance
+    }
+
+    /// A walk, and another one with the first reflection that it meets at smooth glass.
+    fn follow(&mut self, start: Start, rules: &Rules, sampler: &mut Sampler) {
+        let waits = self.waits;
+        self.merger.boost = 1.0;
+        self.looks = false;
+        walk::<FromCamera, _>(self.scene, start, rules, sampler, self);
+        let Some((account, start)) = self.reflected.take() else { return };
+        self.account = account;
+        self.waits = waits;
+        self.pairing.leave();
+        self.follow(start, rules, sampler);
     }
 
     /// Light that counts by `weight`.
@@ -149,7 +180,16 @@ impl<'a, R: Recorder> CameraPath<'a, R> {
 }
 
 impl<R: Recorder> Sink for CameraPath<'_, R> {
+    const FORKS: bool = true;
+
+    fn fork(&mut self, vertex: &Vertex, onward: &Onward, start: Start) {
+        let mut account = self.account.clone();
+        account.depart(vertex, onward);
+        self.reflected = Some((account, start));
+    }
+
     fn segment(&mut self, segment: &Segment, sampler: &mut Sampler) {
+        self.clouded |= self.account.leg.first;
         if self.waits || self.looks {
             return self.account.pass(segment);
         }

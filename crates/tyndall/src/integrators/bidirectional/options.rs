@@ -93,8 +93,8 @@ pub(super) mod declared {
         ParameterKind::Integer,
         "0",
         "",
-        "Light paths of a pass that leave points; 0 is so many that a pixel sees one point: half a path to 8 for each pixel, \
-         fewer where they leave more than 6 points, at most a million.",
+        "Light paths of a pass that leave points; 0 is so many that a pixel sees one point: 2 to 8 for each pixel, \
+         but no more than 2 where those leave 24 points, at most a million.",
     );
     pub(in super::super) const BEAMS: ParameterInfo = parameter(
         "beams",

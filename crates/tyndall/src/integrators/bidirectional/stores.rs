@@ -28,11 +28,11 @@ const LOCAL: f32 = 4.0;
 /// Points that the light paths of a pass leave in each pixel on the mean, if that takes ...
 const SEEN_IN_PIXEL: f32 = 1.0;
 /// ... at least so many light paths for each pixel ...
-const LEAST_PATHS: f32 = 0.5;
+const LEAST_PATHS: f32 = 2.0;
 /// ... and at most so many ...
 const MOST_PATHS: f32 = 8.0;
 /// ... or as many as leave so many points, seen or not.
-const MOST_POINTS: f32 = 6.0;
+const MOST_POINTS: f32 = 24.0;
 
 /// Points and beams of some light paths.
 #[derive(Debug, Default)]
@@ -126,9 +126,13 @@ impl Set {
                 self.for_points.rebuild(&self.points.points);
             }
             if points && beam_point {
-                let photons = self.points.points.par_iter_mut();
-                photons.for_each(|p| p.radius = disk * light.in_medium(p.position).disk);
-                self.for_beams.rebuild(&self.points.points);
+                let radius = |x: Vec3| disk * light.in_medium(x).disk;
+                if point_point {
+                    self.for_beams.rebuild_with_radii(&self.for_points, radius);
+                } else {
+                    self.points.points.par_iter_mut().for_each(|p| p.radius = radius(p.position));
+                    self.for_beams.rebuild(&self.points.points);
+                }
             }
             if surface {
                 let photons = self.points.surfaces.par_iter_mut();

@@ -59,8 +59,7 @@ impl<'a> Gatherer<'a> {
         sampler: &mut Sampler,
     ) -> Spectrum {
         let camera = scene.sensor.sample_ray(film, sampler.vec2());
-        let start =
-            Start { ray: camera.ray, length: camera.t_max, medium: scene.camera_medium, throughput: Spectrum::ONE };
+        let start = Start::seen(scene, &camera);
         let black = Spectrum::ZERO;
         let mut gatherer = Gatherer {
             mapping,

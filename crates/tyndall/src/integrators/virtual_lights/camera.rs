@@ -16,7 +16,7 @@ use std::cell::Cell;
 #[inline]
 pub(super) fn start(scene: &Scene, film: Vec2, sampler: &mut Sampler) -> Start {
     let camera = scene.sensor.sample_ray(film, sampler.rng().vec2());
-    Start { ray: camera.ray, length: camera.t_max, medium: scene.camera_medium, throughput: Spectrum::ONE }
+    Start::seen(scene, &camera)
 }
 
 /// The sink that connects the camera's walk, dimmed by media, over smooth mirrors and glass up to the first other surface.

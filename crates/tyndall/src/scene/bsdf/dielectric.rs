@@ -15,6 +15,12 @@ pub struct Dielectric {
 }
 
 impl Dielectric {
+    /// Probability of reflection.
+    #[inline(always)]
+    pub(super) fn reflectance(&self, wo: Vec3) -> f32 {
+        fresnel::dielectric(wo.z.abs(), if wo.z > 0.0 { self.eta } else { self.inverse_eta }).0
+    }
+
     #[inline(always)]
     pub(super) fn sample(&self, point: &TexturePoint, wo: Vec3, transport: Transport, u: f32) -> Option<BsdfSample> {
         let cos = wo.z.abs();

@@ -101,6 +101,14 @@ impl Bsdfs {
         Some(sample)
     }
 
+    /// Where a smooth interface both reflects and refracts, the probability of reflection: below it the choice of the lobe in
+    /// [`Self::sample`] reflects, from it on it refracts.
+    #[inline]
+    pub fn forks(&self, id: BsdfId, wo: Vec3) -> Option<f32> {
+        let Bsdf::Dielectric(model) = &self.models[id.0] else { return None };
+        Some(model.reflectance(wo)).filter(|reflectance| 0.0 < *reflectance && *reflectance < 1.0)
+    }
+
     /// As [`Self::sample`], for all models.
     #[inline(never)]
     fn sample_any(

@@ -23,12 +23,7 @@ impl Gatherer<'_> {
     pub(super) fn gather(&mut self, film: Vec2, share: f32, sampler: &mut Sampler) {
         let lens = Vec2::new(sampler.rng().f32(), sampler.rng().f32());
         let camera = self.scene.sensor.sample_ray(film, lens);
-        let start = Start {
-            ray: camera.ray,
-            length: camera.t_max,
-            medium: self.scene.camera_medium,
-            throughput: Spectrum::grey(share),
-        };
+        let start = Start { throughput: Spectrum::grey(share), unit: share, ..Start::seen(self.scene, &camera) };
         walk::<FromCamera, _>(self.scene, start, &self.options.camera_rules, sampler, self);
     }
 }

@@ -28,6 +28,25 @@ fn directions_follow_their_density() {
 }
 
 #[test]
+fn smooth_glass_forks_where_it_reflects_and_refracts() {
+    for name in ["dielectric", "diffuse", "conductor", "plastic", "thindielectric"] {
+        let probe = Probe::named(name);
+        for wo in directions() {
+            let Some(reflected) = probe.bsdfs.forks(probe.root, wo) else {
+                let inside = wo.z < 0.0;
+                assert!(name != "dielectric" || inside && 1.0 - wo.z * wo.z > 1.0 / 1.5_f32.powi(2), "{wo}");
+                continue;
+            };
+            assert_eq!(name, "dielectric");
+            let transmits = |u: f32| {
+                probe.sample(wo, Transport::Radiance, u, [0.5, 0.5].into()).is_some_and(|s| s.event.transmission)
+            };
+            assert!(!transmits(0.0) && !transmits(reflected * 0.9999) && transmits(reflected) && transmits(0.9999));
+        }
+    }
+}
+
+#[test]
 fn weights_are_value_over_density() {
     for name in SMOOTH {
         let probe = Probe::named(name);
