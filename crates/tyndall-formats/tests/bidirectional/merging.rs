@@ -1,10 +1,11 @@
 //! Merging and joining together against path tracing, and against photon beams where path tracing finds nothing.
 
-use crate::common::integrator;
+use crate::common::{integrator, scene};
 use crate::reciprocity;
 use std::path::Path;
 use tyndall::{Rendering, Scene, Settings};
 use tyndall_formats::mitsuba;
+use tyndall_testkit::corpus::Case;
 
 /// Mean over the picture and all channels, and its standard error from `batches` renders of different seeds. (Pixels share
 /// the light paths of a pass.)
@@ -69,6 +70,31 @@ fn heterogeneous_and_nested_media() {
         let set = [&[depth], &PHOTONS[..]].concat();
         agree(name, picture_mean(&scene, "upbp", &set, 32, 8), truth);
     }
+}
+
+/// White fog in white light, seen through three screens that let half of it pass: whether a walk gets to the fog is left to chance.
+#[test]
+fn fog_behind_screens() {
+    let screen = |z: f32| {
+        format!(
+            r#"<shape type="rectangle"><transform name="to_world"><scale value="2"/><translate z="{z}"/></transform>
+            <bsdf type="mask"><float name="opacity" value="0.5"/>
+            <bsdf type="twosided"><bsdf type="diffuse"><rgb name="reflectance" value="1"/></bsdf></bsdf></bsdf></shape>"#
+        )
+    };
+    let screens = [2.0, 2.5, 3.0].map(screen).concat();
+    let xml = format!(
+        r#"<scene version="3.0.0"><integrator type="volpath"/>
+        <sensor type="perspective"><float name="fov" value="20"/>
+        <transform name="to_world"><lookat origin="0, 0, 6" target="0, 0, 0" up="0, 1, 0"/></transform>
+        <film type="hdrfilm"><integer name="width" value="8"/><integer name="height" value="8"/></film></sensor>
+        <medium type="homogeneous" id="fog"><rgb name="sigma_t" value="1"/><rgb name="albedo" value="1"/></medium>
+        <shape type="cube"><bsdf type="null"/><ref name="interior" id="fog"/></shape>{screens}
+        <emitter type="constant"><rgb name="radiance" value="1"/></emitter></scene>"#
+    );
+    let case = Case { name: "screens".into(), xml, files: vec![], radiance: [1.0; 3], error: 0.0 };
+    let found = picture_mean(&scene(&case, false), "upbp", &[&[("max_depth", "-1")], &PHOTONS[..]].concat(), 96, 8);
+    agree("fog behind screens", found, (1.0, 0.0));
 }
 
 /// A point light, glass and fog: what path tracing cannot find, merging can.

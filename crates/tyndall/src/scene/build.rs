@@ -91,6 +91,7 @@ impl Scene {
                 smooth: traits.smooth,
                 diffuse: traits.diffuse,
                 glossy: traits.glossy,
+                lets_on: traits.delta || traits.null,
                 emits: shape.emission.is_some(),
             }
         };

@@ -67,6 +67,8 @@ struct Attachments {
     diffuse: bool,
     /// It has a rough reflection.
     glossy: bool,
+    /// It has a delta distribution, straight on included.
+    lets_on: bool,
     emits: bool,
 }
 
@@ -136,6 +138,12 @@ impl Scene {
     #[inline(always)]
     pub fn is_glossy(&self, shape: u32) -> bool {
         self.attached(shape).glossy
+    }
+
+    /// Whether a walk may go on from the shape without being scattered by chance: straight on, by a smooth mirror or by glass.
+    #[inline(always)]
+    pub fn lets_on(&self, shape: u32) -> bool {
+        self.attached(shape).lets_on
     }
 
     /// Whether the shape has media on its sides.

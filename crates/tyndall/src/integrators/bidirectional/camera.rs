@@ -32,7 +32,8 @@ pub(super) struct CameraPath<'a, R> {
     looks: bool,
     /// Whether the walk only counts once it has collided in a medium.
     waits: bool,
-    /// Whether there is a medium before the first vertex that scatters by chance.
+    /// Whether another walk may come to a medium before it scatters by chance: there is one on the way, or a surface that lets some
+    /// walks pass or sends them on as a mirror does.
     clouded: bool,
     /// A reflection that is still to be followed.
     reflected: Option<(Account<'a, FromCamera>, Start)>,
@@ -200,6 +201,7 @@ impl<R: Recorder> Sink for CameraPath<'_, R> {
 
     fn surface(&mut self, hit: &SurfaceHit) {
         self.pairing.leave();
+        self.clouded |= self.account.leg.first && self.scene.lets_on(hit.point.shape);
         if !self.waits && self.scene.is_emitter(hit.point.shape) {
             let lights = &self.scene.lights;
             let end = LightEnd::of_hit(hit.point, hit.direction, lights);
