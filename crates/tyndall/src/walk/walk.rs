@@ -202,12 +202,12 @@ pub fn walk<M: Mode, S: Sink>(scene: &Scene, start: Start, rules: &Rules, sample
             Scattering::Surface { point, medium: arrival } => {
                 let context = scene.surface_context(point);
                 let (lobe, u) = (sampler.f32(), sampler.vec2());
-                let scatter = |lobe: f32| scatter_surface::<M>(scene, &context, &vertex, lobe, u, media);
                 let forks = (S::FORKS && scatterings == 0 && !exhausted)
                     .then(|| scene.bsdfs.forks(scene.bsdf_of(point.shape), point.shading.to_local(-vertex.direction)))
                     .flatten();
                 if let Some(reflected) = forks
-                    && let Some(Scattered { direction, weight, pdf, eta, .. }) = scatter(0.0)
+                    && let Some(Scattered { direction, weight, pdf, eta, .. }) =
+                        scatter_surface::<M>(scene, &context, &vertex, 0.0, u, media)
                 {
                     let start = Start {
                         ray: Ray { origin: point.leave(direction), direction },
@@ -221,7 +221,8 @@ pub fn walk<M: Mode, S: Sink>(scene: &Scene, start: Start, rules: &Rules, sample
                     sink.fork(&vertex, &Onward { direction, pdf, eta }, start);
                     throughput *= 1.0 - reflected;
                 }
-                let Some(scattered) = scatter(forks.unwrap_or(lobe)) else { return };
+                let lobe = forks.unwrap_or(lobe);
+                let Some(scattered) = scatter_surface::<M>(scene, &context, &vertex, lobe, u, media) else { return };
                 if exhausted && !scattered.null {
                     return;
                 }

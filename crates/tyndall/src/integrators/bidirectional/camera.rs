@@ -57,7 +57,6 @@ impl<'a, R: Recorder> CameraPath<'a, R> {
         let record = merger.record;
         let radiance = Spectrum::ZERO;
         let (ends, looks, waits) = (false, false, false);
-        let reflected = None;
         let mut path = Self {
             scene,
             options,
@@ -71,7 +70,7 @@ impl<'a, R: Recorder> CameraPath<'a, R> {
             looks,
             waits,
             clouded: false,
-            reflected,
+            reflected: None,
             account,
         };
         let start = Start::seen(scene, &camera);
