@@ -6,6 +6,7 @@ use tyndall::estimators::connect::{Join, Sight, sight};
 use tyndall::estimators::transport::{departure, is_smooth, turn};
 use tyndall::math::{Ray, Rng, Sampler, Vec3};
 use tyndall::mis::{self, Lit, Meeting, Merging};
+use tyndall::scene::bsdf::Transport;
 use tyndall::scene::emitter::{EndDensity, LightEnd};
 use tyndall::walk::{
     Arrival, Edge, Effort, End, FromCamera, FromLight, Leg, LightDensity, Media, Mode, Onward, Place, Rules,
@@ -51,19 +52,19 @@ fn replay<M: Mode>(scene: &Scene, effort: &Effort, first: Leg, vertices: &[Step]
     let mut ends: Vec<(End, Leg)> = Vec::new();
     for (i, (Step { vertex, delta }, edge)) in vertices.iter().zip(edges).enumerate() {
         let mut corner = corner(scene, effort, vertex);
-        if leg.first {
-            corner.merges = corner.merges.first();
-        }
-        let (first, certain) = (leg.first && *delta, leg.certain && *delta);
+        corner.merges = corner.merges.at_end_of(&leg);
         let spread = leg.spread(vertex.position);
         let arrival: Arrival = leg.arrive::<M>(edge, spread, corner.cos(vertex.direction), corner.in_medium());
-        ends.push((End { corner, arrival, first: leg.first }, leg));
+        ends.push((End { corner, arrival, first: leg.first, merges_all: false }, leg));
         if let Some(next) = vertices.get(i + 1) {
             let direction = next.vertex.direction;
             let turn = turn::<M>(scene, vertex, direction);
             let density = (!delta).then_some(turn.pdf.0);
-            leg = arrival.depart::<M>(effort, &corner, direction, density, turn.reverse.0);
-            (leg.first, leg.certain) = (first, certain);
+            let next = arrival.depart::<M>(effort, &corner, direction, density, turn.reverse.0);
+            leg = match M::TRANSPORT {
+                Transport::Radiance => next.following(&leg, &corner, !delta),
+                Transport::Importance => next,
+            };
         }
     }
     ends
@@ -273,7 +274,7 @@ fn connections() -> Effort {
 
 fn all() -> Effort {
     let merges = Effort { surface: 7.0, point_point: 0.6, beam_point: 3.0, beam_beam: 11.0, ..connections() };
-    Effort { most_first: 32.0, split: true, join: Effort::JOIN, ..merges }
+    Effort { most_first: 32.0, copies: Effort::COPIES, split: true, join: Effort::JOIN, ..merges }
 }
 
 #[test]

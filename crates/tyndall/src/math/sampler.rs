@@ -63,6 +63,9 @@ impl Sampler {
         Self { rng, key, reversed, batch: None, next: 0, end: FILL, numbers }
     }
 
+    /// A leg from which on numbers are independent.
+    pub const INDEPENDENT_LEG: u32 = STRATIFIED_LEGS;
+
     /// Continues with the dimensions of leg number `leg` (0 = the leg that leaves the sensor or the emitter).
     #[inline]
     pub fn start_leg(&mut self, leg: u32) {

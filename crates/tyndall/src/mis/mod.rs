@@ -24,8 +24,9 @@ pub fn weigh_join(effort: &Effort, light: &End, camera: &End, join: &Join) -> f3
     let onward_l = light.arrival.depart::<FromLight>(effort, &light.corner, *direction, Some(0.0), turn_l.reverse.0);
     let onward_c =
         camera.arrival.depart::<FromCamera>(effort, &camera.corner, -*direction, Some(0.0), turn_c.reverse.0);
-    let before = turn_c.pdf.0 * spread * onward_l.before::<FromLight>(edge);
-    let after = turn_l.pdf.0 * spread * onward_c.before::<FromCamera>(&edge.reversed());
+    let [before, mirrored] = onward_l.before::<FromLight>(edge);
+    let before = turn_c.pdf.0 * spread * if camera.corner.merges.mirror { mirrored } else { before };
+    let after = turn_l.pdf.0 * spread * onward_c.before::<FromCamera>(&edge.reversed())[0];
     let connect = camera.corner.merges.connect * effort.connect * effort.join;
     connect / (connect + before + after)
 }
@@ -67,10 +68,10 @@ pub fn weigh_sampled(
     let Merges { connect, direct, .. } = camera.corner.merges;
     let onward = camera.arrival.depart::<FromCamera>(effort, &camera.corner, direction, Some(0.0), turn.reverse.0);
     let spread = if density.parallel { 1.0 } else { 1.0 / distance2 };
-    let after = density.onward * spread * onward.before::<FromCamera>(edge);
+    let after = density.onward * spread * onward.before::<FromCamera>(edge)[0];
     let hit = if density.hittable { turn.pdf.0 * density.cos * spread * edge.survival } else { 0.0 };
-    let direct = direct * connect;
-    direct * sampled / (direct * (sampled + hit) + density.place * after)
+    let own = direct * connect * sampled;
+    own / (own + direct * camera.corner.merges.hits() * hit + density.place * after)
 }
 
 /// Weight of an emitter that the camera's walk runs into at the end of `leg`, with `spread` that of the leg; 1 at

@@ -4,6 +4,7 @@ use super::reverse::{corner, reverse_pdf};
 use super::{Edge, Effort, End, Leg, Mode, Onward, Segment, Vertex};
 use crate::math::{Ray, Vec3};
 use crate::scene::Scene;
+use crate::scene::bsdf::Transport;
 use crate::scene::emitter::{Emission, EndDensity, LightEnd};
 use std::marker::PhantomData;
 
@@ -67,34 +68,41 @@ impl<'a, M: Mode> Account<'a, M> {
     pub fn arrive(&mut self, vertex: &Vertex) -> End {
         let mut corner = corner(self.scene, self.effort, vertex);
         let leg = self.leg_to(vertex.position);
-        if leg.first {
-            corner.merges = corner.merges.first();
-        }
+        corner.merges = corner.merges.at_end_of(&leg);
         let (cos, spread) = (corner.cos(vertex.direction), leg.spread(vertex.position));
         let arrival = leg.arrive::<M>(&self.edge, spread, cos, corner.in_medium());
-        let end = End { corner, arrival, first: leg.first };
+        let merges_all = leg.first || leg.reflected && !corner.in_medium();
+        let end = End { corner, arrival, first: leg.first, merges_all };
         self.here = Some(end);
         end
     }
 
-    /// One over the share of the walks that are to go on from here: of many camera's walks, those that scatter by chance for
-    /// the first time.
+    /// How many walks come here for each that is to go on: of many camera's walks, those that scatter by chance for the first
+    /// time.
     #[inline]
     pub fn boost(&self, onward: &Onward) -> f32 {
         let here = self.here.as_ref().filter(|end| end.first && onward.pdf.is_some());
         here.map_or(1.0, |end| end.corner.merges.connect)
     }
 
+    /// How many walks are to go on from here.
+    #[inline]
+    pub fn copies(&self) -> u32 {
+        let here = self.here.as_ref().filter(|end| end.first);
+        here.map_or(1, |end| (1.0 / end.corner.merges.connect).round() as u32)
+    }
+
     /// The walk goes on from the vertex.
     #[inline]
     pub fn depart(&mut self, vertex: &Vertex, onward: &Onward) {
-        let Some(End { corner, arrival, first }) = self.here.take() else { return };
-        let certain = self.leg.certain;
+        let Some(End { corner, arrival, .. }) = self.here.take() else { return };
         let direction = onward.direction;
         let reverse = onward.pdf.map_or(1.0, |_| reverse_pdf::<M>(self.scene, vertex, direction).0);
-        self.leg = arrival.depart::<M>(self.effort, &corner, direction, onward.pdf.map(|pdf| pdf.0), reverse);
-        self.leg.first = first && onward.pdf.is_none();
-        self.leg.certain = certain && onward.pdf.is_none();
+        let leg = arrival.depart::<M>(self.effort, &corner, direction, onward.pdf.map(|pdf| pdf.0), reverse);
+        self.leg = match M::TRANSPORT {
+            Transport::Radiance => leg.following(&self.leg, &corner, onward.pdf.is_some()),
+            Transport::Importance => leg,
+        };
         self.edge = Edge::START;
         self.first = None;
     }

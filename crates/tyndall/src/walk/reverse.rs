@@ -33,9 +33,11 @@ pub fn corner(scene: &Scene, effort: &Effort, vertex: &Vertex) -> Corner {
         Scattering::Medium { medium } => (Vec3::ZERO, effort.in_medium(scene.medium(*medium), x)),
         Scattering::Surface { point, .. } if scene.is_diffuse(point.shape) => {
             let merges = effort.on_surface(x);
-            // What is seen in a rough reflection is better looked for.
-            let first = if scene.is_glossy(point.shape) { 1.0 } else { merges.first };
-            (point.normal, Merges { first, ..merges })
+            let mirror = scene.is_glossy(point.shape);
+            (point.normal, if mirror { effort.on_mirror(merges) } else { merges })
+        }
+        Scattering::Surface { point, .. } if scene.is_smooth(point.shape) => {
+            (point.normal, effort.on_mirror(Merges::NONE))
         }
         Scattering::Surface { point, .. } => (point.normal, Merges::NONE),
     };

@@ -6,7 +6,7 @@ use crate::math::Sampler;
 /// Receives what a walk meets, in order. Every method does nothing unless implemented.
 pub trait Sink {
     /// Whether the walk, where it first meets smooth glass, goes on through it and tells [`Sink::fork`] of its reflection, in place of
-    /// choosing one of both.
+    /// choosing one of both, and asks for [`Sink::copies`].
     const FORKS: bool = false;
 
     /// A piece of a leg inside a medium. Called after the flight was sampled, before its outcome.
@@ -28,7 +28,13 @@ pub trait Sink {
         true
     }
 
-    /// Another walk would start with the reflection at `vertex`.
+    /// How many walks go on from a surface, this one and those that [`Sink::fork`] is told of. Null scattering and smooth mirrors
+    /// among them are for the sink to leave out.
+    fn copies(&self, _vertex: &Vertex) -> u32 {
+        1
+    }
+
+    /// Another walk would start at `vertex`.
     fn fork(&mut self, _vertex: &Vertex, _onward: &Onward, _start: Start) {}
 
     /// The walk left the scene.

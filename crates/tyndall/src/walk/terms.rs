@@ -44,6 +44,8 @@ pub struct Effort {
     pub light: LightDensity,
     /// At most so many times as many of the camera's walks come to their first vertex as go on from there.
     pub most_first: f32,
+    /// Walks that go on where the camera's walk meets a rough mirror first.
+    pub copies: f32,
     /// Whether the camera's walk passes all media to the first surface, besides another one that collides in them.
     pub split: bool,
 }
@@ -66,15 +68,27 @@ impl Effort {
         beam_beam: 0.0,
         light: LightDensity::UNKNOWN,
         most_first: 1.0,
+        copies: 1.0,
         split: false,
     };
 
     /// Light paths merged where the camera's walk has scattered before, for each merged at its first vertex.
     pub const BEYOND: f32 = 1.0 / 16.0;
 
+    /// The share of the camera's walks that are joined with a walk of light, beside merges.
+    pub const JOINED: f32 = 1.0 / 4.0;
+
     /// What joining two vertices that both walks have come to counts beside merges: all joints of a walk of light with one of
     /// the camera's share the noise of both, and merges find the same paths.
-    pub const JOIN: f32 = 1.0 / 16.0;
+    pub const JOIN: f32 = Self::JOINED / 16.0;
+
+    /// Walks that go on, beside merges, where the camera's walk meets a rough mirror first: what is seen in one is better
+    /// looked for than told from light that arrives nearby.
+    pub const COPIES: f32 = 2.0;
+
+    /// What all merges of a place count at most, in walks, where the camera's walk comes from a rough mirror: it shows much the
+    /// same wherever in its lobe they look.
+    pub const MIRRORED: f32 = 4.0;
 
     /// Merges on a surface for which one sample of direct light at the camera's first vertex counts: it varies less from
     /// sample to sample than the number of photons that lie there by chance.
@@ -90,7 +104,7 @@ impl Effort {
         // Beams meet under all angles, whose mean sine is pi / 4.
         let beams = beam_point + std::f32::consts::FRAC_PI_4 * self.beam_beam * length;
         let (first, share) = self.shares(density * (point_point + beams * length));
-        Merges { first, share, point_point, beam_point, beam_beam: self.beam_beam, ..Merges::NONE }
+        Merges { first, share, mirrored: share, point_point, beam_point, beam_beam: self.beam_beam, ..Merges::NONE }
     }
 
     /// What is merged at `x` on a surface wide enough in its scattering.
@@ -98,8 +112,16 @@ impl Effort {
     pub fn on_surface(&self, x: Vec3) -> Merges {
         let Cell { density, disk, .. } = self.light.on_surface(x);
         let surface = self.surface * disk * disk;
-        let (first, share) = self.shares(density * surface);
-        Merges { first, share, surface, ..Merges::NONE }
+        let expected = density * surface;
+        let (first, share) = self.shares(expected);
+        let mirrored = (Self::MIRRORED / (1.0 + expected)).min(1.0);
+        Merges { first, share, mirrored, surface, ..Merges::NONE }
+    }
+
+    /// The same on a rough mirror.
+    #[inline]
+    pub fn on_mirror(&self, merges: Merges) -> Merges {
+        Merges { first: 1.0 / self.copies, mirror: true, ..merges }
     }
 
     /// The first two of [`Merges`] where so many merges are expected for each camera's walk that is merged with all.
@@ -112,10 +134,14 @@ impl Effort {
 /// What is merged at a place, in the units of [`Effort`].
 #[derive(Clone, Copy, Debug)]
 pub struct Merges {
-    /// How many times as many of the camera's walks come here first as go on from here.
+    /// How many times as many of the camera's walks come here first as go on from here; less than one where more go on.
     pub first: f32,
     /// The share of the merges that there is and that counts: see [`crate::walk::density`].
     pub share: f32,
+    /// The same where the camera's walk comes from a rough mirror.
+    pub mirrored: f32,
+    /// Whether the place is a rough mirror.
+    pub mirror: bool,
     /// What a connection with the vertex counts, in units of those of a camera's walk that has gone on.
     pub connect: f32,
     /// How many times as much the camera's walks find direct light, by sampling emitters or running into them.
@@ -135,6 +161,8 @@ impl Merges {
     pub const NONE: Self = Self {
         first: 1.0,
         share: 1.0,
+        mirrored: 1.0,
+        mirror: false,
         connect: 1.0,
         direct: 1.0,
         surface: 0.0,
@@ -148,6 +176,22 @@ impl Merges {
     pub fn first(self) -> Self {
         let direct = if self.surface > 0.0 { Effort::DIRECT } else { 1.0 };
         Self { share: self.first, connect: self.first, direct, ..self }
+    }
+
+    /// What running into an emitter from here counts: all walks that go on look for one, and if more come here, these do.
+    #[inline(always)]
+    pub fn hits(&self) -> f32 {
+        self.connect.max(1.0)
+    }
+
+    /// Where `leg` of the camera's walk ends.
+    #[inline(always)]
+    pub fn at_end_of(self, leg: &Leg) -> Self {
+        match (leg.first, leg.reflected) {
+            (true, _) => self.first(),
+            (false, true) => Self { share: self.mirrored, ..self },
+            (false, false) => self,
+        }
     }
 }
 
@@ -187,6 +231,8 @@ pub struct Arrival {
     pub connected: f32,
     /// All techniques before, over the density of this one; to be multiplied by the reverse density of direction.
     pub before: f32,
+    /// The same if this vertex is a rough mirror.
+    pub mirrored: f32,
     /// In media: probability that a beam of this walk covers the place, over the density of a collision there, m.
     pub covered: f32,
 }
@@ -200,6 +246,8 @@ pub struct End {
     pub arrival: Arrival,
     /// As in [`Leg::first`].
     pub first: bool,
+    /// Whether it is merged with all of light's walks: not only with those for places where the camera's has scattered before.
+    pub merges_all: bool,
 }
 
 /// A walk on its way to the next vertex.
@@ -209,6 +257,8 @@ pub struct Leg {
     pub start: Vec3,
     /// Whether the camera's walk has met nothing yet but smooth mirrors and glass: all merges at its end count.
     pub first: bool,
+    /// Whether the camera's walk comes from a rough mirror, and has met nothing since but smooth mirrors and glass.
+    pub reflected: bool,
     /// Whether the leg is one of the camera's that pass all media for certain, as in [`Effort::split`].
     pub certain: bool,
     /// Density of the direction, 1/sr; per area across the direction where all rays are parallel; one after a smooth
@@ -232,6 +282,8 @@ pub struct Leg {
     pub in_medium: bool,
     /// Techniques before, by the density with which the walk from the other end would collide at the start ...
     pub collided: f32,
+    /// ... the same if the next vertex is a rough mirror ...
+    pub mirrored: f32,
     /// ... and by the probability that its beam would cover the start.
     pub covering: f32,
 }
@@ -240,9 +292,11 @@ impl Leg {
     /// Light's first leg, from a place of that density; [`Leg::lit`] adds the connection, which depends on its end.
     #[inline]
     pub fn from_emitter(effort: &Effort, density: &EndDensity, start: Vec3) -> Self {
+        let collided = if density.hittable { effort.connect / density.place } else { 0.0 };
         Self {
             start,
             first: false,
+            reflected: false,
             certain: false,
             density: density.onward,
             spreads: !density.parallel,
@@ -253,7 +307,8 @@ impl Leg {
             emitted: true,
             cos: density.cos,
             in_medium: false,
-            collided: if density.hittable { effort.connect / density.place } else { 0.0 },
+            collided,
+            mirrored: collided,
             covering: 0.0,
         }
     }
@@ -270,6 +325,7 @@ impl Leg {
         Self {
             start: lens.lens,
             first: true,
+            reflected: false,
             certain: effort.split,
             density: lens.density,
             spreads: !lens.parallel,
@@ -281,7 +337,19 @@ impl Leg {
             cos: 1.0,
             in_medium: false,
             collided: 0.0,
+            mirrored: 0.0,
             covering: 0.0,
+        }
+    }
+
+    /// The leg of the camera's walk that follows `last` at a corner, where it scatters by chance or not.
+    #[inline]
+    pub fn following(self, last: &Self, corner: &Corner, by_chance: bool) -> Self {
+        Self {
+            first: last.first && !by_chance,
+            certain: last.certain && !by_chance,
+            reflected: if by_chance { corner.merges.mirror } else { last.reflected },
+            ..self
         }
     }
 
@@ -293,22 +361,23 @@ impl Leg {
 
     /// All techniques before the start's connection with the vertex at the other end of `edge`, over the density of
     /// both; to be multiplied by the density with which the other walk chooses the direction of the edge, and by its
-    /// spread.
+    /// spread. The second is for a rough mirror at the other end.
     #[inline]
-    pub fn before<M: Mode>(&self, edge: &Edge) -> f32 {
+    pub fn before<M: Mode>(&self, edge: &Edge) -> [f32; 2] {
         // Camera beams run to the end of a stretch that a flight has come to, light beams to the collision.
         let beam = match M::TRANSPORT {
             Transport::Importance => edge.survival / edge.stretches[0],
             Transport::Radiance => edge.survival,
         };
-        self.cos * (edge.departure(self.in_medium) * self.collided + beam * self.covering)
+        let departure = edge.departure(self.in_medium);
+        [self.collided, self.mirrored].map(|collided| self.cos * (departure * collided + beam * self.covering))
     }
 
     /// As [`Leg::before`] of light's walk, where the other end is the lens.
     #[inline]
     pub fn before_lens(&self, effort: &Effort, edge: &Edge) -> f32 {
         if !effort.split {
-            return self.before::<FromLight>(edge);
+            return self.before::<FromLight>(edge)[0];
         }
         let departure = if self.in_medium { edge.departure(true) } else { 1.0 };
         self.cos * (departure * self.collided + self.covering)
@@ -327,8 +396,9 @@ impl Leg {
             Transport::Radiance if self.certain => 1.0 / (edge.survival * edge.rates[1]),
             Transport::Radiance => 1.0 / (edge.stretches[1] * edge.rates[1]),
         };
-        let (connected, before) = (self.connect * self.join * inverse / spread, self.before::<M>(edge) * inverse);
-        Arrival { emitted: self.emitted, connected, before, covered }
+        let connected = self.connect * self.join * inverse / spread;
+        let [before, mirrored] = self.before::<M>(edge).map(|before| before * inverse);
+        Arrival { emitted: self.emitted, connected, before, mirrored, covered }
     }
 }
 
@@ -337,11 +407,12 @@ impl Arrival {
     /// `reverse` is the reverse density of direction.
     #[inline(always)]
     pub fn behind(&self, merges: &Merges, reverse: f32) -> f32 {
-        let Merges { connect, direct, .. } = *merges;
+        let Merges { connect, direct, mirror, .. } = *merges;
+        let before = if mirror { self.mirrored } else { self.before };
         if self.emitted {
-            direct * connect * (self.connected + self.before * reverse)
+            direct * (connect * self.connected + merges.hits() * before * reverse)
         } else {
-            connect * self.connected + self.before * reverse
+            connect * self.connected + before * reverse
         }
     }
 
@@ -360,6 +431,7 @@ impl Arrival {
         let leg = Leg {
             start,
             first: false,
+            reflected: false,
             certain: false,
             density: density.unwrap_or(1.0),
             spreads: true,
@@ -371,6 +443,7 @@ impl Arrival {
             cos: corner.cos(direction),
             in_medium,
             collided: self.before,
+            mirrored: self.mirrored,
             covering: 0.0,
         };
         // Forth and back a smooth mirror or glass takes a direction with the same probability.
@@ -378,8 +451,8 @@ impl Arrival {
             return leg;
         }
         let Merges { share, connect, direct, surface, point_point, beam_point, beam_beam, .. } = corner.merges;
-        let mut collided = self.behind(&corner.merges, reverse);
-        let mut covering = 0.0;
+        let behind = self.behind(&corner.merges, reverse);
+        let (mut collided, mut covering) = (behind, 0.0);
         if in_medium {
             let sin = corner.arriving.cross(direction).length();
             collided += share * point_point;
@@ -393,6 +466,12 @@ impl Arrival {
         } else {
             collided += share * surface;
         }
-        Leg { connect: connect * effort.connect, join: effort.join, hits: connect, direct, collided, covering, ..leg }
+        // The camera's walk knows where it comes from, light's does not know where it goes.
+        let mirrored = match M::TRANSPORT {
+            Transport::Importance if !in_medium => behind + corner.merges.mirrored * surface,
+            _ => collided,
+        };
+        let (connect, hits) = (connect * effort.connect, corner.merges.hits());
+        Leg { connect, join: effort.join, hits, direct, collided, mirrored, covering, ..leg }
     }
 }

@@ -205,21 +205,31 @@ pub fn walk<M: Mode, S: Sink>(scene: &Scene, start: Start, rules: &Rules, sample
                 let forks = (S::FORKS && scatterings == 0 && !exhausted)
                     .then(|| scene.bsdfs.forks(scene.bsdf_of(point.shape), point.shading.to_local(-vertex.direction)))
                     .flatten();
-                if let Some(reflected) = forks
-                    && let Some(Scattered { direction, weight, pdf, eta, .. }) =
-                        scatter_surface::<M>(scene, &context, &vertex, 0.0, u, media)
-                {
+                let fork = |sink: &mut S, lobe: f32, u: Vec2, share: f32, leg: u32| {
+                    let scattered = scatter_surface::<M>(scene, &context, &vertex, lobe, u, media);
+                    let Some(Scattered { direction, weight, pdf, eta, .. }) = scattered else { return };
                     let start = Start {
                         ray: Ray { origin: point.leave(direction), direction },
                         length: f32::INFINITY,
                         medium: if media { scene.medium_towards(point, direction, *arrival) } else { medium },
-                        throughput: throughput * weight * reflected,
+                        throughput: throughput * weight * share,
                         unit,
                         scatterings: scatterings + 1,
-                        leg: leg + 1,
+                        leg,
                     };
                     sink.fork(&vertex, &Onward { direction, pdf, eta }, start);
+                };
+                if let Some(reflected) = forks {
+                    fork(sink, 0.0, u, reflected, leg + 1);
                     throughput *= 1.0 - reflected;
+                } else if S::FORKS && !exhausted {
+                    let copies = sink.copies(&vertex);
+                    for i in 1..copies {
+                        // The first decisions of all copies are spread evenly, the later ones are independent.
+                        let by = i as f32 / copies as f32;
+                        let turned = |u: f32| (u + by).fract().min(1.0 - f32::EPSILON);
+                        fork(sink, turned(lobe), u.map(turned), 1.0, Sampler::INDEPENDENT_LEG.max(leg + 1));
+                    }
                 }
                 let lobe = forks.unwrap_or(lobe);
                 let Some(scattered) = scatter_surface::<M>(scene, &context, &vertex, lobe, u, media) else { return };

@@ -16,6 +16,18 @@ use crate::walk::{
     Vertex, edge_passage, walk,
 };
 
+/// A walk that is still to be followed.
+struct Fork<'a> {
+    start: Start,
+    account: Account<'a, FromCamera>,
+    /// As in [`Merger::boost`].
+    boost: f32,
+    /// As in [`CameraPath::waits`].
+    waits: bool,
+    /// Whether it has been scattered by chance.
+    by_chance: bool,
+}
+
 /// The sink that turns a camera's walk into radiance.
 pub(super) struct CameraPath<'a, R> {
     pub(super) scene: &'a Scene,
@@ -35,8 +47,8 @@ pub(super) struct CameraPath<'a, R> {
     /// Whether another walk may come to a medium before it scatters by chance: there is one on the way, or a surface that lets some
     /// walks pass or sends them on as a mirror does.
     clouded: bool,
-    /// A reflection that is still to be followed.
-    reflected: Option<(Account<'a, FromCamera>, Start)>,
+    /// Walks that are still to be followed: a reflection, and the copies of one walk.
+    forks: [Option<Fork<'a>>; Effort::COPIES as usize],
     pub(super) account: Account<'a, FromCamera>,
 }
 
@@ -70,7 +82,7 @@ impl<'a, R: Recorder> CameraPath<'a, R> {
             looks,
             waits,
             clouded: false,
-            reflected: None,
+            forks: [const { None }; _],
             account,
         };
         let start = Start::seen(scene, &camera);
@@ -90,17 +102,19 @@ impl<'a, R: Recorder> CameraPath<'a, R> {
         path.radiance
     }
 
-    /// A walk, and another one with the first reflection that it meets at smooth glass.
+    /// A walk, and those that fork off: with the first reflection that it meets at smooth glass, and copies from a rough mirror.
     fn follow(&mut self, start: Start, rules: &Rules, sampler: &mut Sampler) {
-        let waits = self.waits;
         self.merger.boost = 1.0;
         self.looks = false;
         walk::<FromCamera, _>(self.scene, start, rules, sampler, self);
-        let Some((account, start)) = self.reflected.take() else { return };
-        self.account = account;
-        self.waits = waits;
-        self.pairing.leave();
-        self.follow(start, rules, sampler);
+        while let Some(fork) = self.forks.iter_mut().rev().find_map(Option::take) {
+            let Fork { start, account, boost, waits, by_chance } = fork;
+            (self.account, self.merger.boost, self.waits) = (account, boost, waits);
+            self.looks = false;
+            self.pairing.leave();
+            let rules = if by_chance { &self.options.rules } else { rules };
+            walk::<FromCamera, _>(self.scene, start, rules, sampler, self);
+        }
     }
 
     /// Light that counts by `weight`.
@@ -183,9 +197,21 @@ impl<R: Recorder> Sink for CameraPath<'_, R> {
     const FORKS: bool = true;
 
     fn fork(&mut self, vertex: &Vertex, onward: &Onward, start: Start) {
+        let by_chance = onward.pdf.is_some();
         let mut account = self.account.clone();
+        let boost = account.boost(onward);
+        // A walk that copies itself goes on by smooth mirrors alone.
+        if self.account.copies() > 1 && !by_chance {
+            return;
+        }
         account.depart(vertex, onward);
-        self.reflected = Some((account, start));
+        let room = self.forks.iter_mut().find(|fork| fork.is_none());
+        *room.expect("no more forks than there are copies") =
+            Some(Fork { start, account, boost, waits: self.waits, by_chance });
+    }
+
+    fn copies(&self, _vertex: &Vertex) -> u32 {
+        if self.waits || self.looks { 1 } else { self.account.copies() }
     }
 
     fn segment(&mut self, segment: &Segment, sampler: &mut Sampler) {
@@ -242,10 +268,8 @@ impl<R: Recorder> Sink for CameraPath<'_, R> {
         let boost = self.account.boost(onward);
         self.account.depart(vertex, onward);
         self.pairing.depart(onward);
-        if boost > 1.0 {
-            self.merger.boost *= boost;
-            self.looks = self.ends;
-        }
+        self.merger.boost *= boost;
+        self.looks = boost > 1.0 && self.ends;
         true
     }
 }

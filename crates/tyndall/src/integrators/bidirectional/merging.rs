@@ -122,8 +122,7 @@ impl<R: Recorder> Merger<'_, R> {
             leg.arrive::<FromCamera>(&edge, spread, 1.0, true)
         };
         let weigh = |technique, light: Arrival, t: f32, x: Vec3, direction: Vec3| {
-            let merges = effort.in_medium(medium, x);
-            let merges = if leg.first { merges.first() } else { merges };
+            let merges = effort.in_medium(medium, x).at_end_of(leg);
             let met = meeting(scene, segment.medium, x, light, camera_at(t), merges, [direction, ray.direction]);
             weigh_merge(technique, &met)
         };
@@ -168,7 +167,7 @@ impl<R: Recorder> Merger<'_, R> {
     /// At a vertex.
     pub(super) fn at(&self, vertex: &Vertex, end: &End, sampler: &mut Sampler) -> Spectrum {
         let Self { scene, stores, kernel, record, .. } = *self;
-        let set = stores.set(end.first);
+        let set = stores.set(end.merges_all);
         let (effort, scatterings, per_path) = (&stores.effort, vertex.scatterings, self.boost / set.paths[0]);
         let Some(filter) = self.filter(scatterings) else { return Spectrum::ZERO };
         let found = match &vertex.scattering {

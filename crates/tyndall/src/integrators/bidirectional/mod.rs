@@ -162,16 +162,26 @@ impl Bidirectional {
     ) -> RareEvents {
         let Self { options, stores, tally, joints } = self;
         let effort = &stores.effort;
+        let merges = options.techniques.merge();
         let mut vertices: Vec<LightVertex> = Vec::new();
         let mut profile = Profile::default();
         let (mut light_paths, mut left) = (0, 0);
         let rare = sample_pixels(scene, job, pixels, |sample, sampler| {
             vertices.clear();
+            let joined = if merges { Effort::JOINED } else { 1.0 };
+            let joins = joined == 1.0 || sampler.rng().f32() < joined;
             if options.techniques.bpt {
-                LightPath { scene, rules: &options.rules, effort, splats, record }
-                    .trace(&mut light_sampler(job.seed, &sample), |vertex| vertices.push(vertex));
+                LightPath { scene, rules: &options.rules, effort, splats, record }.trace(
+                    &mut light_sampler(job.seed, &sample),
+                    |LightVertex { mut vertex, end }| {
+                        left += 1;
+                        if joins {
+                            vertex.throughput = vertex.throughput / joined;
+                            vertices.push(LightVertex { vertex, end });
+                        }
+                    },
+                );
                 light_paths += 1;
-                left += vertices.len();
             }
             let (max_depth, kernel) = (options.rules.max_depth, options.kernel);
             let merger = Merger { scene, stores, kernel, max_depth, profile: &mut profile, record, boost: 1.0 };

@@ -71,8 +71,8 @@ struct Radii {
 /// Points and beams of a pass.
 #[derive(Debug)]
 pub(super) struct Stores {
-    /// What the camera's walk is merged with at its first vertex ...
-    first: Set,
+    /// What the camera's walk is merged with at its first vertex, or after a rough mirror, ...
+    all: Set,
     /// ... and where it has scattered before: fewer.
     beyond: Set,
     survey: Option<Survey>,
@@ -154,7 +154,7 @@ impl Set {
 impl Stores {
     pub(super) fn new() -> Self {
         Self {
-            first: Set::default(),
+            all: Set::default(),
             beyond: Set::default(),
             survey: None,
             volume: Shrinking::START,
@@ -164,10 +164,10 @@ impl Stores {
         }
     }
 
-    /// What a camera's walk is merged with that has met nothing yet but smooth mirrors and glass, or has.
+    /// What a camera's walk is merged with: all, or what there is for places where it has scattered before.
     #[inline(always)]
-    pub(super) fn set(&self, first: bool) -> &Set {
-        if first { &self.first } else { &self.beyond }
+    pub(super) fn set(&self, all: bool) -> &Set {
+        if all { &self.all } else { &self.beyond }
     }
 
     /// Traces the light paths of a pass. Answers how many there were and what they left.
@@ -208,14 +208,13 @@ impl Stores {
             beam_beam: number(beam_beam, beam_paths) * Kernel::extent(1, width),
             light: std::mem::take(&mut self.effort.light),
             most_first: 1.0 / options.continuation,
+            copies: if options.techniques.merge() { Effort::COPIES } else { 1.0 },
             split: options.techniques.merge() && !scene.media().is_empty(),
         };
         let radii = Radii { ball, disk, width, patch };
         let beyond = |paths: u32| ((paths as f32 * Effort::BEYOND) as u32).max(1);
-        let sets = [
-            (&mut self.first, [paths, beam_paths], 0),
-            (&mut self.beyond, [paths, beam_paths].map(beyond), BEYOND_SETS),
-        ];
+        let sets =
+            [(&mut self.all, [paths, beam_paths], 0), (&mut self.beyond, [paths, beam_paths].map(beyond), BEYOND_SETS)];
         for (set, paths, offset) in sets {
             set.trace(scene, options, &self.effort, radii, paths, (seed, offset | pass), &mut counts)?;
         }
@@ -242,7 +241,7 @@ impl Stores {
             effort: None,
             memory: options.memory,
         };
-        let pilot = &mut self.first.points;
+        let pilot = &mut self.all.points;
         pilot.trace(scene, &tracing)?;
         let free = |photon: &Photon| {
             let medium = photon.tag.medium().map(|id| scene.medium(id));
