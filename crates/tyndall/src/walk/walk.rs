@@ -76,6 +76,9 @@ pub const LONG: u32 = 10_000;
 /// ... the roulette ends a walk wherever it is.
 pub const LONG_CAP: f32 = 0.99;
 
+/// Walks that pass media for certain go on by roulette if they bring less than this.
+const FAINT: f32 = 1e-4;
+
 /// What media do to a walk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Media {
@@ -153,6 +156,16 @@ pub fn walk<M: Mode, S: Sink>(scene: &Scene, start: Start, rules: &Rules, sample
                 let segment = Segment { ray: &ray, length, medium: inside, throughput, scatterings, leg, flight };
                 sink.segment(&segment, sampler);
                 throughput *= flight.weight;
+                if passing {
+                    // Of what hardly passes the medium, little is followed.
+                    let survival = throughput.max_channel() / (unit * FAINT);
+                    if survival < 1.0 {
+                        if sampler.rng().f32() >= survival {
+                            return;
+                        }
+                        throughput = throughput / survival;
+                    }
+                }
                 if flight.collided {
                     break Vertex {
                         position: ray.at(flight.distance),
