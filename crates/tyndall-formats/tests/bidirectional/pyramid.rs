@@ -168,6 +168,23 @@ fn every_join_finds_all_light_between_surfaces() {
     agree("plates", &found, 0.03, 0.03, |technique| matches!(technique, Technique::Merge { .. }));
 }
 
+/// Beside merges one sample in four is joined, and two walks go on from a rough mirror.
+#[test]
+fn every_join_finds_all_light_beside_merges() {
+    let scene = built(
+        r#"<shape type="rectangle"><transform name="to_world"><rotate x="1" angle="-90"/><translate y="-1"/></transform>
+            <bsdf type="blendbsdf"><float name="weight" value="0.7"/><bsdf type="diffuse"/>
+                <bsdf type="roughconductor"><float name="alpha" value="0.4"/></bsdf></bsdf></shape>
+        <shape type="rectangle"><transform name="to_world"><translate z="-2"/></transform>
+            <bsdf type="diffuse"><rgb name="reflectance" value="0.8"/></bsdf></shape>"#,
+    );
+    let set = [("max_depth", "3"), ("photons", "200"), ("surface_radius", "0.06"), ("continuation", "1")];
+    let found = alone(&scene, &described("vcm", &set), 3, 500);
+    agree("beside merges", &found, 0.02, 0.0, |technique| {
+        matches!(technique, Technique::Join { .. }) && matches!(technique.depth(), Some(2..=3))
+    });
+}
+
 /// Two vertices in fog are joined with an infinite variance: those joins are left out.
 #[test]
 fn every_technique_finds_all_light_in_fog() {
