@@ -117,6 +117,28 @@ fn walks_at_smooth_glass_part_the_light_between_both_ways() {
     }
 }
 
+/// Of walks that only dim, few go on where a millionth part passes, and they bring all of it.
+#[test]
+fn walks_that_pass_thick_fog_bring_what_passes() {
+    const WALKS: u32 = 20_000;
+    let sigma_t = [12.0, 13.0, 14.0];
+    let scene = common::scene(&furnace("thick", Furnace { sigma_t, ..Furnace::default() }), true);
+    let rules = Rules { media: Media::Attenuate, ..ANALOGUE };
+    let (mut sum, mut count) = ([0.0; 3], 0.0);
+    for path in 0..WALKS {
+        let mut seen = Seen::default();
+        walk::<FromLight, _>(&scene, start(Vec3::ZERO, Vec3::Y), &rules, &mut Sampler::new(1, 2, path), &mut seen);
+        let Some(passed) = seen.escaped else { continue };
+        count += 1.0;
+        sum.iter_mut().zip(passed.to_rgb()).for_each(|(sum, channel)| *sum += f64::from(channel));
+    }
+    assert!(count < 0.1 * f64::from(WALKS), "{count} walks go on");
+    for (sum, sigma_t) in sum.iter().zip(sigma_t) {
+        let off = sum / f64::from(WALKS) / (-sigma_t).exp() - 1.0;
+        assert!(off.abs() < 3.0 / count.sqrt(), "{sigma_t}: off by {:.1} % of {count} walks", 100.0 * off);
+    }
+}
+
 /// Fog without bounds scatters on: the furnace with a lens has it around the lens, so it may reach anywhere.
 #[test]
 fn light_in_endless_fog_is_scattered_until_roulette_ends_it() {
