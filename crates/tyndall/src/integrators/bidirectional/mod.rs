@@ -2,8 +2,8 @@
 //!
 //! For every pixel and pass one light path and one camera path are traced. Every vertex of light's path is joined with the
 //! lens, every vertex of the camera's with an emitter and with every vertex of light's; walks that run into an emitter
-//! count as well. Where it is wanted, the camera's walk is also merged with points and beams of other light paths. The
-//! weights of all that are those of [`crate::mis`].
+//! count as well. Where it is wanted, the camera's walk is also merged with points and beams of other light paths, and
+//! fewer are joined with light's. The weights of all that are those of [`crate::mis`].
 
 mod camera;
 mod joint;
