@@ -98,6 +98,29 @@ fn fog_behind_screens() {
 }
 
 /// A point light, glass and fog: what path tracing cannot find, merging can.
+/// Walls that are smooth and rough mirrors at once, and glass: walks go on by smooth mirrors and leave copies at each.
+#[test]
+fn mirrors_smooth_and_rough() {
+    let walls = r#"<bsdf type="blendbsdf"><float name="weight" value="0.5"/>
+        <bsdf type="roughconductor"><float name="alpha" value="0.3"/><rgb name="specular_reflectance" value="0.7"/></bsdf>
+        <bsdf type="conductor"><rgb name="specular_reflectance" value="0.7"/></bsdf></bsdf>"#;
+    let text = format!(
+        r#"<scene version="3.0.0"><sensor type="perspective"><float name="fov" value="60"/>
+            <transform name="to_world"><lookat origin="0, 0, 0.9" target="0, 0, 0" up="0, 1, 0"/></transform>
+            <film type="hdrfilm"><integer name="width" value="16"/><integer name="height" value="16"/>
+            <rfilter type="box"/></film></sensor>
+        <shape type="cube"><boolean name="flip_normals" value="true"/>{walls}</shape>
+        <shape type="sphere"><float name="radius" value="0.3"/><bsdf type="dielectric"/></shape>
+        <shape type="rectangle"><transform name="to_world"><scale value="0.6"/><rotate x="1" angle="90"/>
+            <translate y="0.95"/></transform><emitter type="area"><rgb name="radiance" value="1"/></emitter></shape></scene>"#
+    );
+    let loaded = mitsuba::read_str(&text, Path::new("."), &mitsuba::Options::default()).unwrap();
+    let scene = Scene::build(&loaded.scene).unwrap();
+    let depth = ("max_depth", "7");
+    let truth = picture_mean(&scene, "volpath", &[depth], 256, 8);
+    agree("mirrors", picture_mean(&scene, "vcm", &[&[depth], &PHOTONS[..]].concat(), 48, 8), truth);
+}
+
 #[test]
 fn caustics_are_those_of_photon_beams() {
     let scene = reciprocity::glass_in_fog();

@@ -47,8 +47,8 @@ pub(super) struct CameraPath<'a, R> {
     /// Whether another walk may come to a medium before it scatters by chance: there is one on the way, or a surface that lets some
     /// walks pass or sends them on as a mirror does.
     clouded: bool,
-    /// Walks that are still to be followed: a reflection, and the copies of one walk.
-    forks: [Option<Fork<'a>>; Effort::COPIES as usize],
+    /// Walks that are still to be followed: hardly ever more than a reflection and a copy.
+    forks: Vec<Fork<'a>>,
     pub(super) account: Account<'a, FromCamera>,
 }
 
@@ -82,7 +82,7 @@ impl<'a, R: Recorder> CameraPath<'a, R> {
             looks,
             waits,
             clouded: false,
-            forks: [const { None }; _],
+            forks: Vec::new(),
             account,
         };
         let start = Start::seen(scene, &camera);
@@ -107,8 +107,7 @@ impl<'a, R: Recorder> CameraPath<'a, R> {
         self.merger.boost = 1.0;
         self.looks = false;
         walk::<FromCamera, _>(self.scene, start, rules, sampler, self);
-        while let Some(fork) = self.forks.iter_mut().rev().find_map(Option::take) {
-            let Fork { start, account, boost, waits, by_chance } = fork;
+        while let Some(Fork { start, account, boost, waits, by_chance }) = self.forks.pop() {
             (self.account, self.merger.boost, self.waits) = (account, boost, waits);
             self.looks = false;
             self.pairing.leave();
@@ -198,16 +197,14 @@ impl<R: Recorder> Sink for CameraPath<'_, R> {
 
     fn fork(&mut self, vertex: &Vertex, onward: &Onward, start: Start) {
         let by_chance = onward.pdf.is_some();
-        let mut account = self.account.clone();
-        let boost = account.boost(onward);
-        // A walk that copies itself goes on by smooth mirrors alone.
+        // By the smooth part of a rough mirror goes one walk alone.
         if self.account.copies() > 1 && !by_chance {
             return;
         }
+        let mut account = self.account.clone();
+        let boost = account.boost(onward);
         account.depart(vertex, onward);
-        let room = self.forks.iter_mut().find(|fork| fork.is_none());
-        *room.expect("no more forks than there are copies") =
-            Some(Fork { start, account, boost, waits: self.waits, by_chance });
+        self.forks.push(Fork { start, account, boost, waits: self.waits, by_chance });
     }
 
     fn copies(&self, _vertex: &Vertex) -> u32 {
