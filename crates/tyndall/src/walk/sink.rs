@@ -30,7 +30,7 @@ pub trait Sink {
 
     /// How many walks go on from a surface, this one and those that [`Sink::fork`] is told of. Null scattering and smooth mirrors
     /// among them are for the sink to leave out.
-    fn copies(&self, _vertex: &Vertex) -> u32 {
+    fn copies(&self) -> u32 {
         1
     }
 

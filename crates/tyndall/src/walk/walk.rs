@@ -236,7 +236,7 @@ pub fn walk<M: Mode, S: Sink>(scene: &Scene, start: Start, rules: &Rules, sample
                     fork(sink, 0.0, u, reflected, leg + 1);
                     throughput *= 1.0 - reflected;
                 } else if S::FORKS && !exhausted {
-                    let copies = sink.copies(&vertex);
+                    let copies = sink.copies();
                     for i in 1..copies {
                         // The first decisions of all copies are spread evenly, the later ones are independent.
                         let by = i as f32 / copies as f32;

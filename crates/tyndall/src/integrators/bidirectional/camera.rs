@@ -17,9 +17,9 @@ use crate::walk::{
 };
 
 /// A walk that is still to be followed.
-struct Fork<'a> {
+pub(super) struct Fork<'s> {
     start: Start,
-    account: Account<'a, FromCamera>,
+    account: Account<'s, FromCamera>,
     /// As in [`Merger::boost`].
     boost: f32,
     /// As in [`CameraPath::waits`].
@@ -29,10 +29,10 @@ struct Fork<'a> {
 }
 
 /// The sink that turns a camera's walk into radiance.
-pub(super) struct CameraPath<'a, R> {
-    pub(super) scene: &'a Scene,
+pub(super) struct CameraPath<'a, 's, R> {
+    pub(super) scene: &'s Scene,
     pub(super) options: &'a Options,
-    effort: &'a Effort,
+    effort: &'s Effort,
     light: &'a [LightVertex],
     merger: Merger<'a, R>,
     pub(super) pairing: Pairing<'a>,
@@ -48,19 +48,20 @@ pub(super) struct CameraPath<'a, R> {
     /// walks pass or sends them on as a mirror does.
     clouded: bool,
     /// Walks that are still to be followed: hardly ever more than a reflection and a copy.
-    forks: Vec<Fork<'a>>,
-    pub(super) account: Account<'a, FromCamera>,
+    forks: &'a mut Vec<Fork<'s>>,
+    pub(super) account: Account<'s, FromCamera>,
 }
 
-impl<'a, R: Recorder> CameraPath<'a, R> {
+impl<'a, 's, R: Recorder> CameraPath<'a, 's, R> {
     /// Radiance arriving at the film position (pixels of the whole film), one sample, with light's vertices to join.
     pub(super) fn radiance(
-        scene: &'a Scene,
+        scene: &'s Scene,
         options: &'a Options,
-        effort: &'a Effort,
+        effort: &'s Effort,
         light: &'a [LightVertex],
         merger: Merger<'a, R>,
         pairing: Pairing<'a>,
+        forks: &'a mut Vec<Fork<'s>>,
         film: Vec2,
         sampler: &mut Sampler,
     ) -> Spectrum {
@@ -82,7 +83,7 @@ impl<'a, R: Recorder> CameraPath<'a, R> {
             looks,
             waits,
             clouded: false,
-            forks: Vec::new(),
+            forks,
             account,
         };
         let start = Start::seen(scene, &camera);
@@ -192,7 +193,7 @@ impl<'a, R: Recorder> CameraPath<'a, R> {
     }
 }
 
-impl<R: Recorder> Sink for CameraPath<'_, R> {
+impl<R: Recorder> Sink for CameraPath<'_, '_, R> {
     const FORKS: bool = true;
 
     fn fork(&mut self, vertex: &Vertex, onward: &Onward, start: Start) {
@@ -207,7 +208,7 @@ impl<R: Recorder> Sink for CameraPath<'_, R> {
         self.forks.push(Fork { start, account, boost, waits: self.waits, by_chance });
     }
 
-    fn copies(&self, _vertex: &Vertex) -> u32 {
+    fn copies(&self) -> u32 {
         if self.waits || self.looks { 1 } else { self.account.copies() }
     }
 

@@ -54,7 +54,7 @@ impl<'a> Pairing<'a> {
     }
 }
 
-impl<R: Recorder> CameraPath<'_, R> {
+impl<R: Recorder> CameraPath<'_, '_, R> {
     /// Adds light that is scattered twice: last on `segment`, and before around it.
     pub(super) fn add_pair(&mut self, segment: &Segment, sampler: &mut Sampler) {
         self.pairing.flight = None;

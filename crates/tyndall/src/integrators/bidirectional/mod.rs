@@ -165,6 +165,7 @@ impl Bidirectional {
         let merges = options.techniques.merge();
         let mut vertices: Vec<LightVertex> = Vec::new();
         let mut profile = Profile::default();
+        let mut forks = Vec::new();
         let (mut light_paths, mut left) = (0, 0);
         let rare = sample_pixels(scene, job, pixels, |sample, sampler| {
             vertices.clear();
@@ -186,7 +187,9 @@ impl Bidirectional {
             let (max_depth, kernel) = (options.rules.max_depth, options.kernel);
             let merger = Merger { scene, stores, kernel, max_depth, profile: &mut profile, record, boost: 1.0 };
             let pairing = Pairing::new(joints);
-            let seen = CameraPath::radiance(scene, options, effort, &vertices, merger, pairing, sample.film, sampler);
+            let film = sample.film;
+            let seen =
+                CameraPath::radiance(scene, options, effort, &vertices, merger, pairing, &mut forks, film, sampler);
             record.finish(sample.place, sample.weight);
             seen
         });
